@@ -1,10 +1,10 @@
 //! The contact force of a run as a function of time: polynomials between the events of the run.
 //!
-//! Samples of a history cannot tell where between them a force jumps, and a damped contact jumps at touch-down: their
-//! interpolation errs by the jump over a whole sample. So a run keeps its force in *pieces*, each a polynomial through a
-//! few values of the step's own dense output, that end where events were located; a jump is two pieces that meet at one
-//! time with two values. Between pieces there is no force. Integrals over pieces (Gauss, exact for their degree) err by
-//! what the integrator errs.
+//! The force of a damped contact jumps at touch-down, at a time between two samples of a history: interpolation has an
+//! error of the jump over a whole sample. A run therefore stores its force in *pieces*. A piece is a polynomial through
+//! a few values of the step's dense output and ends at a located event; a jump is two pieces that end and begin at one
+//! time with two values. Between pieces there is no force. Integrals over pieces (Gauss, exact for their degree) have
+//! the error of the integrator alone.
 
 use serde::{Deserialize, Serialize};
 

@@ -1,9 +1,9 @@
 //! Files of a study: `results.json`, CSV per history, charts and the page.
 //!
-//! Histories are data: the study writes them once, whole ([`crate::histories`]). Everything else but `results.json` is
-//! drawn from the text of `results.json`, also when it was just made, so that [`report_from`] gives the same bytes at
-//! any later time and leaves the histories alone. A file is written whole or not at all: all go to a staging folder
-//! first and are renamed into place.
+//! The study writes the histories once, at full resolution ([`crate::histories`]). All other files are drawn from the
+//! text of `results.json`, also when it was just made, so that [`report_from`] gives the same bytes at any later time
+//! and does not touch the histories. A file is written completely or not at all: all files go to a staging folder first
+//! and are then renamed.
 
 use crate::csv_table::{CsvTable, number};
 use crate::drawing::canvas::DrawError;

@@ -1,8 +1,8 @@
 //! A drawing surface over the SVG backend of plotters.
 //!
-//! The backend rounds to whole units, so everything is drawn at `SCALE` times the size and
-//! brought back by the view box. Dash patterns and a title, which the backend does not know, are
-//! added to its text. Coordinates that are not finite never reach the file.
+//! The backend rounds to whole units, so everything is drawn at `SCALE` times the size and reduced by the view box. The
+//! backend supports neither dash patterns nor a title, so both are added to its text. Coordinates that are not finite
+//! never reach the file.
 
 use super::geometry::{Rect, clip_segment, simplified};
 pub use super::ink::Ink;

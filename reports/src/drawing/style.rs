@@ -1,9 +1,9 @@
 //! Colours, dashes and markers: one set per model, distinguishable without colour.
 //!
-//! One convention holds in all charts of all studies: a model is its colour with its marker, on lines its dash pattern
-//! with its marker; filled markers are explicit integrators, open ones implicit; integrators are named, or numbered
-//! with a key below ([`super::scatter::Numbers`]). Colours after M. Okabe and K. Ito, Color Universal Design (2008), in an
-//! order of falling distance in lightness, so that neighbours also part in black and white.
+//! All charts of all studies have one convention: a model has its colour and marker, and on lines its dash pattern.
+//! Filled markers are explicit integrators, open ones implicit; integrators are named, or numbered with a key below
+//! ([`super::scatter::Numbers`]). The colours follow M. Okabe and K. Ito, Color Universal Design (2008), in an order of
+//! falling distance in lightness, so that neighbours also differ in black and white.
 
 use super::canvas::{Canvas, Ink, Stroke};
 use maud::{Markup, html};

@@ -1,7 +1,7 @@
-//! The report: one HTML page with everything inside, for the screen offline and for paper.
+//! The report: one self-contained HTML page, for the screen offline and for paper.
 //!
-//! No script, no font, no request: style and charts are in the page. Every text that came from data is escaped by
-//! `maud`; only the charts, which are SVG already, go in as they are.
+//! The page has no script, font or request: style and charts are in the page. `maud` escapes every text from data; only
+//! the charts, which are SVG already, are inserted unchanged.
 
 mod column;
 pub mod runs;

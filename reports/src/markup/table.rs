@@ -1,8 +1,8 @@
 //! Tables of the report: right-aligned numbers, rows grouped by model, empty columns dropped, none wider than the page.
 //!
-//! The columns that say which row it is ([`Rank::Key`]) and those that answer the question of the table
-//! ([`Rank::Result`]) are always in the table at a glance. The others follow there as far as they fit the page; what is
-//! left stands below, under the same keys. On a narrow screen every row is a card with the headings beside its numbers.
+//! The table at a glance always has the columns that identify a row ([`Rank::Key`]) and those with the result
+//! ([`Rank::Result`]), and as many others as fit the page. The remaining columns are in a second table below, with the
+//! same keys. On a narrow screen every row is a card with the headings next to its numbers.
 
 use super::column::{Column, PAGE, Rank, width};
 use super::prose;

@@ -1,14 +1,14 @@
-//! Errors of further columns, over the span or the norm of the reference's: angles, torques, transmission errors of further
-//! meshes.
+//! Errors of further columns, relative to the span or the norm of the reference: angles, torques, transmission errors
+//! of further meshes.
 //!
 //! ```text
 //! error = sqrt( int (y - y_r)^2 dt / T ) / (max y_r - min y_r)
 //! ```
 //!
-//! by the trapezoidal rule at the reference's own times, between whose ends T lies; the run is joined by lines between its
-//! samples, and where both sides have two samples at one time, the two sides of a jump, each is held against its own. Angles
-//! count from the start and torques have a sign: an offset is an error, as it is of speeds. A column that the reference
-//! holds constant has no span and is no error but by its root mean square.
+//! The integral is the trapezoidal rule at the reference's own times, and T is their range. The run is linear between
+//! its samples. Where both sides have two samples at one time, the two sides of a jump, each is compared with its
+//! counterpart. Angles count from the start and torques have a sign, so an offset is an error, as for speeds. A
+//! constant column of the reference has no span; its error is relative to its magnitude.
 
 use super::history::trapezoid_weights;
 use super::{TRANSMISSION_ERROR, larger};

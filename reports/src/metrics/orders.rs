@@ -8,9 +8,10 @@
 //! aligned    = min over s of sqrt( sum |E_n exp(2 pi i n s) - R_n|^2 / sum |R_n|^2 )
 //! ```
 //!
-//! by the trapezoidal rule at the samples of each side, whose ends are put in on the line between neighbours. Measured
-//! transmission errors have no known mean, and their phase depends on where an encoder counts from: neither enters. What
-//! repeats with the turns of the gears and not with the mesh cycle is between the orders and does not enter either.
+//! The integral is the trapezoidal rule at the samples of each side, with both ends interpolated linearly. Measured
+//! transmission errors have no known mean, and their phase depends on the zero of an encoder: neither enters. The part
+//! that repeats with the turns of the gears and not with the mesh cycle lies between the orders and does not enter
+//! either.
 
 use super::columns::at_times;
 use super::history::trapezoid_weights;

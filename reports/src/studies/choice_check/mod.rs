@@ -1,8 +1,8 @@
 //! The validation of model choices on random scenes.
 //!
 //! A scene is **met** when the chosen candidate keeps the tolerance against the reference over the whole scene, or when
-//! none was chosen and none of all that were tried keeps it. Its **cost ratio** is the time of the chosen candidate over
-//! that of the cheapest that keeps the tolerance.
+//! no candidate was chosen and none keeps it. Its **cost ratio** is the time of the chosen candidate over that of the
+//! cheapest candidate that keeps the tolerance.
 
 mod chart;
 mod csv;

@@ -1,7 +1,7 @@
 //! Charts of contact force and angular velocities over time: one run per model, with the reference.
 //!
-//! A quantity that meshes (or gears) of a scene have each their own history of is drawn in one of two layouts: a panel for
-//! each model with all meshes in it, or, where a panel would hold too many curves, a panel for each mesh with all models.
+//! A quantity with a history per mesh (or gear) has one of two layouts: a panel for each model with all meshes, or,
+//! where a panel would have too many curves, a panel for each mesh with all models.
 
 use super::window::{TimeAxis, busy_window, contact_window, peak_of, time_axis};
 use crate::drawing::Chart;

@@ -1,9 +1,9 @@
 //! The yardstick of a comparison: the history that all models are compared with, its own error, and the adequacy of a
 //! model.
 //!
-//! With the error `e` of a run against the yardstick and the error `u` of the yardstick itself, both in the metric of the
-//! tolerance `T`, a model is adequate where `e + u <= T`, not adequate where `e - u > T`, and not decided between the two.
-//! Where `u` is not known nothing is called adequate.
+//! With the error `e` of a run against the yardstick and the error `u` of the yardstick itself, both in the metric of
+//! the tolerance `T`, a model is adequate where `e + u <= T`, not adequate where `e - u > T`, and not decided between
+//! the two. Where `u` is unknown no model is adequate.
 
 use crate::numbers::per_cent;
 use crate::record::not_a_number;

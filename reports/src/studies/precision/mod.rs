@@ -1,8 +1,9 @@
-//! The study of accuracy against cost: families of runs, their points, and the factor by which the cheapest family
-//! leads.
+//! The study of accuracy against cost: families of runs, their points, and the cheapest families within limits of the
+//! error.
 //!
-//! A family is a model under an integrator, at every step, tolerance and number of modes. Models whose truncated modes
-//! stay as residual compliance, under a method that solves their linear part exactly, are the ones whose lead is reported.
+//! A family is a model under an integrator, at every step, tolerance and number of modes. The report compares two
+//! groups: elastic models with residual compliance under a method that solves their linear part exactly ([`is_ours`]),
+//! and all others.
 
 mod charts;
 mod csv;

@@ -1,7 +1,7 @@
 //! The record of a run-up: amplitudes over the speed of a reference gear, by frequency and by order.
 //!
-//! Amplitudes are half of peak to peak, of bearing forces that of both radial components together, root of the sum of squares.
-//! Orders count per turn of the reference gear.
+//! Amplitudes are half of peak to peak; the amplitude of a bearing force is the root of the sum of squares of those of
+//! its two radial components. Orders count per turn of the reference gear.
 
 use crate::record::Results;
 use crate::record::checks::{each, same_length};

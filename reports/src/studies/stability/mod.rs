@@ -1,8 +1,7 @@
 //! The study of stability: maps of how runs ended over step and parameters, and the largest stable step.
 //!
-//! A map belongs to one model under one integrator. Its cells stand in rows of one value of every axis, and a row runs
-//! from the smallest to the largest step (or tolerance, for methods that choose their steps). Every cell has exactly one
-//! [`Status`].
+//! A map belongs to one model under one integrator. A row has one value of every axis, and its cells go from the
+//! smallest to the largest step (or tolerance, for methods with step control). Every cell has exactly one [`Status`].
 
 mod charts;
 mod csv;

@@ -1,7 +1,7 @@
 //! The record of static stiffness: models and formulas under one load, at positions over one base pitch.
 //!
-//! Both hubs are held; the first gear is turned by its approach until the mesh carries the load. Positions are path
-//! coordinates of the reference pair: along the line of action, growing in the direction in which contact moves.
+//! Both hubs are fixed; the first gear is turned by its approach until the mesh carries the load. Positions are path
+//! coordinates of the reference pair along the line of action, growing in the direction in which contact moves.
 
 use crate::record::Results;
 use crate::record::checks::each;

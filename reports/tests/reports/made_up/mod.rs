@@ -1,7 +1,7 @@
 //! Made-up records: an impact with a rippling reference, and a long rotation without one.
 //!
-//! The numbers look like a study and are none: the force of a run is a half-sine with the errors
-//! that are asked for, the outlines are involutes with straight roots.
+//! No number comes from a simulation: the force of a run is a half-sine with given errors, and the outlines are
+//! involutes with straight roots.
 
 mod studies;
 

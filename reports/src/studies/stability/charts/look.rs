@@ -1,4 +1,4 @@
-//! One colour and one letter per label, so that a map reads in colour, in greyscale and for the colour-blind.
+//! Colours and letters of the labels of a map, readable in colour, in greyscale and without colour vision.
 //!
 //! Colours after Okabe and Ito, in a different shade from those of the models. They are the same on a dark page. The
 //! letter carries the meaning where colours cannot.
