@@ -21,10 +21,10 @@ pub(crate) const GAUSS: [(f64, f64); 6] = [
     (0.966_234_757_101_576, 0.085_662_246_189_585_17),
 ];
 
-/// Force over time in polynomial pieces; none where no piece is.
+/// Force over time in polynomial pieces, zero between them.
 ///
-/// The nodes of all pieces stand in one list of times \[s\], which does not decrease, and one of forces \[N\]; a piece has
-/// the nodes from its own first one up to the next piece's.
+/// The nodes of all pieces are in one list of times \[s\], which does not decrease, and one of forces \[N\]. The nodes
+/// of a piece go from its first one up to the first one of the next piece.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ForceHistory {
     time_s: Vec<f64>,
@@ -95,7 +95,7 @@ impl ForceHistory {
     /// Checks the invariants, which data from a file may break.
     ///
     /// # Errors
-    /// A sentence that says what is broken.
+    /// A sentence that names the violated rule.
     pub fn validate(&self) -> Result<(), String> {
         let n = self.time_s.len();
         let ends = self.first.iter().skip(1).copied().chain([n]);
@@ -176,7 +176,7 @@ pub fn integral(nodes: &[(f64, f64)]) -> f64 {
 pub(crate) struct Piece<'a> {
     /// Times of the nodes \[s\].
     pub t: &'a [f64],
-    /// Forces there \[N\].
+    /// Forces at these times \[N\].
     pub f: &'a [f64],
     /// Time at which the piece begins \[s\].
     pub start: f64,

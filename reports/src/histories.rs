@@ -74,7 +74,7 @@ pub struct Histories {
     pub on_grid: Vec<usize>,
     /// Further columns, on the grid alone.
     pub further: Vec<Column>,
-    /// Tooth pairs that touch.
+    /// Forces of tooth pairs in contact, at times of the grid.
     pub pairs: Vec<PairSample>,
     /// Contacts that close and open.
     pub events: Vec<ContactEvent>,

@@ -31,14 +31,14 @@ pub struct MeasuredCurve {
     pub source: String,
     /// Column of its abscissa in the tables of the study.
     pub abscissa: String,
-    /// Column of its ordinate.
+    /// Column of its ordinate in the tables of the study.
     pub ordinate: String,
     /// Texts by which rows of the tables are chosen: column and text.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub only: Vec<(String, String)>,
     /// Abscissae in SI units, ascending.
     pub x: Vec<f64>,
-    /// Ordinates in SI units.
+    /// Ordinates in SI units, one per abscissa.
     pub y: Vec<f64>,
 }
 

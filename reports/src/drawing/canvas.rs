@@ -20,11 +20,11 @@ const FINE: f64 = 0.12;
 /// Alignment of a text relative to its point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Anchor {
-    /// Begins at the point.
+    /// The text begins at the point.
     Start,
-    /// Centred on the point.
+    /// The text is centred on the point.
     Middle,
-    /// Ends at the point.
+    /// The text ends at the point.
     End,
 }
 
@@ -36,7 +36,7 @@ pub struct Type {
     /// Horizontal place; vertically text is centred.
     pub anchor: Anchor,
     pub bold: bool,
-    /// Turned to read upwards.
+    /// True for text that is turned to read upwards.
     pub upwards: bool,
 }
 

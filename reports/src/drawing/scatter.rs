@@ -9,7 +9,7 @@ use super::legend::in_rows;
 use super::panel::{LEFT, RIGHT, WIDTH};
 use super::style::{cross, look, marker};
 
-/// Failures that are named.
+/// Largest number of failed runs that the strip names.
 const NAMED: usize = 6;
 const ROW: f64 = 18.0;
 

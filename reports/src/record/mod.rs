@@ -166,7 +166,7 @@ pub struct Machine {
 /// The scene's own limit: beyond it a run is `inaccurate`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Tolerance {
-    /// The metric it limits.
+    /// Metric that the tolerance limits.
     pub metric: Metric,
     /// Largest adequate magnitude of the metric, in its unit.
     pub limit: f64,
@@ -206,7 +206,7 @@ pub struct ReferenceSeries {
     pub processing: Vec<String>,
     /// Contact force of the reference and the columns at the same times. A column that the reference lacks is empty.
     pub series: TimeSeries,
-    /// Data at other times.
+    /// Further series of the reference, at other times.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub further: Vec<TimeSeries>,
 }

@@ -111,7 +111,7 @@ pub struct Sharing {
     pub factor_greatest: f64,
 }
 
-/// Share of a planet.
+/// Share of a planet in the load of a gear.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct PlanetShare {

@@ -112,7 +112,7 @@ pub struct Run {
     pub steps: u64,
     /// Number of rejected steps.
     pub rejected: u64,
-    /// Evaluations of the force.
+    /// Number of evaluations of the force.
     pub force_evaluations: u64,
     /// Number of Newton iterations.
     pub newton_iterations: u64,

@@ -207,7 +207,7 @@ pub struct Share {
     pub name: String,
     /// Number of scenes in the group.
     pub scenes: usize,
-    /// Scenes that are met.
+    /// Number of scenes that are met.
     pub met: usize,
     /// Number of these scenes without any adequate candidate, as the choice stated.
     pub rightly_none: usize,

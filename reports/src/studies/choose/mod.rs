@@ -17,7 +17,7 @@ pub use verdict::{Adequacy, Verdict};
 pub struct ChoiceRecord {
     /// Metric by its name on the command line, such as `force-aligned`.
     pub metric: String,
-    /// The metric in words.
+    /// Name of the metric in words.
     pub metric_title: String,
     /// Largest relative error that is accurate enough [-].
     pub tolerance: f64,
@@ -79,7 +79,7 @@ pub struct ChoiceRecord {
     /// Processor time of its set-up, with the caches as they were \[s\].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub setup_s: Option<f64>,
-    /// The window in words.
+    /// Description of the window in words.
     pub window: String,
     /// End of the window \[s\].
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -154,7 +154,7 @@ pub struct TriedRecord {
     /// Predicted processor time for the whole scene \[s\].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cost_s: Option<f64>,
-    /// Steps on the window.
+    /// Number of steps on the window.
     pub steps: u64,
     /// Force evaluations on the window.
     pub force_evaluations: u64,
@@ -190,7 +190,7 @@ pub struct ForceStatistics {
     pub spells: usize,
     /// Median of the peak forces of these intervals \[N\].
     pub median_peak_n: f64,
-    /// Greatest peak \[N\].
+    /// Greatest peak of the force \[N\].
     pub greatest_peak_n: f64,
 }
 

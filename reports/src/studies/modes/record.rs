@@ -49,7 +49,7 @@ pub struct ModelModes {
     /// Reason why there are no frequencies, or a remark on them.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub message: String,
-    /// Coordinates of the scene.
+    /// Number of coordinates of the scene.
     pub coordinates: usize,
     /// Number of constraints on the coordinates: rigid shafts, and fixed members of planetary sets.
     pub constraints: usize,

@@ -32,7 +32,7 @@ pub struct ModelResponse {
     /// Reason why the model has no response.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub message: String,
-    /// Coordinates of the scene.
+    /// Number of coordinates of the scene.
     pub coordinates: usize,
     /// Meshes that share a mesh frequency.
     pub groups: Vec<GroupResponse>,

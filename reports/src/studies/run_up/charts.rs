@@ -28,7 +28,7 @@ const SLOW: f64 = 2.5;
 const CURVES: usize = 6;
 /// Between the names of two lines.
 const APART: f64 = 13.0;
-/// On a map, by day and by night.
+/// Colours of order lines and of natural frequencies on a map, the same on light and dark pages.
 const ORDER: Ink = Ink(0xfe, 0xfe, 0xfe, 1.0);
 const NATURAL: Ink = Ink(0xff, 0xa0, 0x5e, 1.0);
 

@@ -44,7 +44,7 @@ pub struct ModelRunUp {
     pub lowest_rad_s: f64,
     /// Highest speed of the reference gear, mean of a window [rad/s].
     pub highest_rad_s: f64,
-    /// Orders that were followed.
+    /// Orders whose amplitudes were computed over the speed.
     pub orders: Vec<TrackedOrder>,
     /// Windows of equal time; their lines are frequencies [Hz].
     pub by_time: RunUpMap,

@@ -68,7 +68,7 @@ pub struct Cell {
     pub steps: u64,
     /// Number of rejected steps.
     pub rejected: u64,
-    /// Evaluations of the force.
+    /// Number of evaluations of the force.
     pub force_evaluations: u64,
     /// Number of Newton iterations.
     pub newton_iterations: u64,
@@ -131,7 +131,7 @@ pub struct Map {
     pub columns: Columns,
     /// Steps or tolerances, ascending.
     pub at: Vec<f64>,
-    /// One or two parameters.
+    /// One or two parameters that the map varies.
     pub axes: Vec<MapAxis>,
     /// The cells: along the columns first, then along the first axis, then along the second.
     pub cells: Vec<Cell>,

@@ -66,9 +66,9 @@ pub struct ModelStiffness {
     pub error_peak_to_peak_m: f64,
     /// Coordinates that were solved for.
     pub unknowns: usize,
-    /// Equilibria that were solved.
+    /// Number of equilibria that were solved.
     pub equilibria: u64,
-    /// Iterations of Newton's method.
+    /// Number of iterations of Newton's method.
     pub newton_iterations: u64,
     /// Wall time of the set-up: meshes, factors \[s\].
     pub setup_s: f64,
