@@ -1,19 +1,19 @@
-//! Tables in CSV: SI units in the header, numbers to ten digits, nothing where there is none.
+//! Tables in CSV: SI units in the header, ten digits per number, empty cells for missing values.
 
 use crate::escape;
 
 /// A table that a study writes to a file.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct CsvTable {
-    /// File name.
+    /// Name of the file in the study's folder.
     pub file: String,
     /// Names of the columns.
     pub header: Vec<String>,
-    /// Cells by row.
+    /// Texts of the cells, row by row, as many per row as the header has names.
     pub rows: Vec<Vec<String>>,
 }
 
-/// Endings of names of columns, and the unit that they are.
+/// Endings of column names, each with its unit.
 const UNITS: [(&str, &str); 10] = [
     ("_rad_s", "rad/s"),
     ("_n_per_m", "N/m"),
@@ -27,7 +27,7 @@ const UNITS: [(&str, &str); 10] = [
     ("_s", "s"),
 ];
 
-/// The name of a column without the ending of its unit, and the unit; an empty one where it has none.
+/// Returns the name of a column without its unit, and the unit, which is empty for a name without one.
 pub fn named_unit(column: &str) -> (&str, &'static str) {
     let mut endings = UNITS.iter();
     let found = endings.find_map(|(ending, unit)| Some((column.strip_suffix(ending)?, *unit)));
@@ -38,7 +38,7 @@ pub fn named_unit(column: &str) -> (&str, &'static str) {
 pub type CsvColumn<'c, R> = (&'c str, &'c dyn Fn(&R) -> String);
 
 impl CsvTable {
-    /// A table of the cells that columns have in rows.
+    /// Makes a table from rows of data and columns with the text of their cells.
     pub fn new<R>(
         file: &str,
         rows: impl IntoIterator<Item = R>,
@@ -52,7 +52,7 @@ impl CsvTable {
         }
     }
 
-    /// The text of the file.
+    /// Returns the text of the file.
     pub fn text(&self) -> String {
         let mut writer = csv::Writer::from_writer(Vec::new());
         // Writing to memory cannot fail; a refused row would be one of unequal length.
@@ -66,18 +66,18 @@ impl CsvTable {
     }
 }
 
-/// A number, or nothing where there is none.
+/// Returns a number with ten digits, or an empty text for a missing one.
 pub fn number(x: impl Into<Option<f64>>) -> String {
     let finite = x.into().filter(|x| x.is_finite());
     finite.map_or(String::new(), |x| format!("{x:.9e}"))
 }
 
-/// A number with all its digits.
+/// Formats a number with all its digits.
 pub fn exact(x: f64) -> String {
     format!("{x:e}")
 }
 
-/// What a text says, or nothing.
+/// Returns the text of a value, or an empty text for `None`.
 pub fn text<T: ToString>(x: &Option<T>) -> String {
     x.as_ref().map_or(String::new(), T::to_string)
 }

@@ -1,5 +1,5 @@
-//! What the files of a study hold, for programs that read them: the JSON Schema of `results.json` and the dictionary of
-//! the columns in CSV files, and whether data keep to them.
+//! The format of a study's files for other programs: JSON Schema of `results.json`, dictionary of the CSV columns, and
+//! checks of data against both.
 
 use serde_json::Value;
 
@@ -9,7 +9,8 @@ pub const RECORD_SCHEMA: &str = include_str!("../../docs/results.schema.json");
 /// Columns of all CSV files with units and meaning: `docs/data.md`.
 pub const DATA_DICTIONARY: &str = include_str!("../../docs/data.md");
 
-/// What in a record is not as the schema says, each with its place; a key that the schema does not know is one.
+/// Returns all violations of the schema in a record, each with its place. A key that the schema does not list is a
+/// violation.
 pub fn violations(record: &Value) -> Vec<String> {
     let mut found = Vec::new();
     match serde_json::from_str(RECORD_SCHEMA) {
@@ -19,7 +20,7 @@ pub fn violations(record: &Value) -> Vec<String> {
     found
 }
 
-/// The part of JSON Schema that ours is written in.
+/// Checks a value against the part of JSON Schema that `results.schema.json` uses.
 fn check(x: &Value, schema: &Value, root: &Value, place: &str, found: &mut Vec<String>) {
     if let Some(name) = schema["$ref"].as_str() {
         let target = root.pointer(name.trim_start_matches('#'));
@@ -72,7 +73,8 @@ fn check(x: &Value, schema: &Value, root: &Value, place: &str, found: &mut Vec<S
     }
 }
 
-/// Whether the dictionary has a column: by its name, or by one with a placeholder in capitals, such as `speed_GEAR_rad_s`.
+/// True if the dictionary has the column by its name, or by a name with a placeholder in capitals such as
+/// `speed_GEAR_rad_s`.
 pub fn is_described(column: &str) -> bool {
     let names = DATA_DICTIONARY
         .lines()
@@ -80,7 +82,7 @@ pub fn is_described(column: &str) -> bool {
     names.into_iter().any(|name| fits(name, column))
 }
 
-/// Whether a column has a name of the dictionary, whose capitals stand for anything.
+/// True if `column` matches a name of the dictionary, in which a word in capitals matches any text.
 fn fits(name: &str, column: &str) -> bool {
     let Some(begin) = name.find(|c: char| c.is_ascii_uppercase()) else {
         return name == column;

@@ -1,12 +1,12 @@
-//! Text from data at the edges of the program: in a terminal, in Markdown, in a cell of a table.
+//! Escaping of texts from data for terminals, Markdown and table cells.
 //!
-//! Names of gears, labels and messages come from files that others wrote. Each edge has one function here; pages and
-//! pictures are escaped by `maud`.
+//! Names of gears, labels and messages come from files of any origin. Each kind of output has one function here; `maud`
+//! escapes pages and pictures.
 
 use std::borrow::Cow;
 
-/// Text for a terminal or a log: control characters are shown, not sent (a tab and a line feed are), no line is a command
-/// of a workflow (`::error::`, `##[error]`), and signs and spaces of typography are plain ones.
+/// Escapes a text for a terminal or a log: control characters become visible (except tab and line feed), no line is a
+/// workflow command (`::error::`, `##[error]`), and typographic signs and spaces become plain ones.
 pub fn terminal(text: &str) -> Cow<'_, str> {
     let plain = |c: char| !c.is_control() || matches!(c, '\n' | '\t');
     let typographic = |c: char| matches!(c, '\u{2212}' | '\u{a0}' | '\u{202f}');
@@ -35,7 +35,7 @@ pub fn terminal(text: &str) -> Cow<'_, str> {
     Cow::Owned(lines.collect::<Vec<_>>().join("\n"))
 }
 
-/// As [`terminal`], but for the sequences that choose colours and weights of letters.
+/// Escapes a text as [`terminal`] does, but keeps the sequences for colours and weights of letters.
 pub fn coloured(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     let mut rest = text;
@@ -59,7 +59,7 @@ pub fn coloured(text: &str) -> String {
     out + &terminal(rest)
 }
 
-/// Text for Markdown, in a line or a cell of a table: it is read as it is, without markup, links or line breaks.
+/// Escapes a text for a line or a table cell in Markdown, without markup, links or line breaks.
 pub fn markdown(text: &str) -> String {
     let all: Vec<char> = text.chars().collect();
     let is_word = |at: Option<usize>| {
@@ -87,8 +87,8 @@ pub fn markdown(text: &str) -> String {
     out
 }
 
-/// A cell of a table in CSV: a text that a spreadsheet would read as a formula begins with an apostrophe; control
-/// characters are spaces.
+/// Escapes a CSV cell: a text that a spreadsheet would read as a formula begins with an apostrophe; control characters
+/// become spaces.
 pub fn cell(text: &str) -> Cow<'_, str> {
     let formula = text.starts_with(['=', '@', '+', '-']) && text.parse::<f64>().is_err();
     let plain = !text.chars().any(char::is_control);

@@ -1,10 +1,10 @@
 //! The contact force of a run as a function of time: polynomials between the events of the run.
 //!
-//! Samples of a history cannot tell where between them a force jumps, and a damped contact jumps at touch-down: their
-//! interpolation errs by the jump over a whole sample. So a run keeps its force in *pieces*, each a polynomial through a
-//! few values of the step's own dense output, that end where events were located; a jump is two pieces that meet at one
-//! time with two values. Between pieces there is no force. Integrals over pieces (Gauss, exact for their degree) err by
-//! what the integrator errs.
+//! The force of a damped contact jumps at touch-down, at a time between two samples of a history: interpolation has an
+//! error of the jump over a whole sample. A run therefore stores its force in *pieces*. A piece is a polynomial through
+//! a few values of the step's dense output and ends at a located event; a jump is two pieces that end and begin at one
+//! time with two values. Between pieces there is no force. Integrals over pieces (Gauss, exact for their degree) have
+//! the error of the integrator alone.
 
 use serde::{Deserialize, Serialize};
 
@@ -21,10 +21,10 @@ pub(crate) const GAUSS: [(f64, f64); 6] = [
     (0.966_234_757_101_576, 0.085_662_246_189_585_17),
 ];
 
-/// Force over time in polynomial pieces; none where no piece is.
+/// Force over time in polynomial pieces, zero between them.
 ///
-/// The nodes of all pieces stand in one list of times \[s\], which does not decrease, and one of forces \[N\]; a piece has
-/// the nodes from its own first one up to the next piece's.
+/// The nodes of all pieces are in one list of times \[s\], which does not decrease, and one of forces \[N\]. The nodes
+/// of a piece go from its first one up to the first one of the next piece.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ForceHistory {
     time_s: Vec<f64>,
@@ -34,8 +34,8 @@ pub struct ForceHistory {
 }
 
 impl ForceHistory {
-    /// Samples joined by straight lines; two at one time are both sides of a jump. Ends before the first that is not
-    /// finite.
+    /// Makes the piecewise linear force through samples; two at one time are both sides of a jump. It ends before the
+    /// first sample that is not finite.
     pub fn polyline(t: &[f64], force: &[f64]) -> Self {
         let mut history = Self::default();
         let finite = |(t, f): &(&f64, &f64)| t.is_finite() && f.is_finite();
@@ -63,28 +63,28 @@ impl ForceHistory {
         self.force_n.extend(nodes.iter().map(|n| n.1));
     }
 
-    /// Number of pieces.
+    /// Returns the number of pieces.
     pub fn len(&self) -> usize {
         self.first.len()
     }
 
-    /// Whether there never was a force.
+    /// True if the force was zero throughout, so that there are no pieces.
     pub fn is_empty(&self) -> bool {
         self.first.is_empty()
     }
 
-    /// When the force first acts \[s\].
+    /// Returns the time at which the force first acts \[s\].
     pub fn begins(&self) -> Option<f64> {
         self.time_s.first().copied()
     }
 
-    /// Spells of contact: stretches of pieces without a gap between them.
+    /// Returns the number of intervals of contact, that is, of sequences of pieces without a gap.
     pub fn spells(&self) -> usize {
         let meet = |w: &&[usize]| self.time_s[w[1] - 1] < self.time_s[w[1]];
         usize::from(!self.is_empty()) + self.first.windows(2).filter(meet).count()
     }
 
-    /// Begin and end of the first spell of contact \[s\].
+    /// Returns begin and end of the first interval of contact \[s\].
     pub fn first_spell(&self) -> Option<[f64; 2]> {
         let begin = self.begins()?;
         let mut nodes = self.first.iter().skip(1).copied();
@@ -95,7 +95,7 @@ impl ForceHistory {
     /// Checks the invariants, which data from a file may break.
     ///
     /// # Errors
-    /// A sentence that says what is broken.
+    /// A sentence that names the violated rule.
     pub fn validate(&self) -> Result<(), String> {
         let n = self.time_s.len();
         let ends = self.first.iter().skip(1).copied().chain([n]);
@@ -114,7 +114,7 @@ impl ForceHistory {
         }
     }
 
-    /// Greatest force \[N\], impulse \[N s\] and time in contact \[s\] between two times \[s\].
+    /// Computes greatest force \[N\], impulse \[N s\] and time in contact \[s\] between two times \[s\].
     pub fn within(&self, from: f64, to: f64) -> Within {
         let mut all = Within::default();
         for p in self.until(to).iter().filter(|p| p.end > from) {
@@ -134,7 +134,7 @@ impl ForceHistory {
         all
     }
 
-    /// The pieces up to a time \[s\].
+    /// Returns the pieces up to a time \[s\].
     pub(crate) fn until(&self, end: f64) -> Vec<Piece<'_>> {
         let ends = (self.first.iter().skip(1).copied()).chain([self.time_s.len()]);
         (self.first.iter().zip(ends))
@@ -148,19 +148,19 @@ impl ForceHistory {
     }
 }
 
-/// What a force does between two times.
+/// Peak, impulse and contact time of a force between two times.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Within {
     /// Greatest force \[N\].
     pub peak_n: f64,
-    /// Its integral \[N s\].
+    /// Integral of the force over time \[N s\].
     pub impulse_ns: f64,
-    /// How long it acts \[s\].
+    /// Time during which the force acts \[s\].
     pub contact_s: f64,
 }
 
-/// Integral of the polynomial through nodes, times \[s\] with values, ascending and at most [`MOST_NODES`]; 0 where they
-/// are no piece.
+/// Integrates the polynomial through nodes, times \[s\] with values, ascending and at most [`MOST_NODES`]; 0 for nodes
+/// that make no piece.
 pub fn integral(nodes: &[(f64, f64)]) -> f64 {
     let mut one = ForceHistory::default();
     one.push(nodes);
@@ -176,11 +176,11 @@ pub fn integral(nodes: &[(f64, f64)]) -> f64 {
 pub(crate) struct Piece<'a> {
     /// Times of the nodes \[s\].
     pub t: &'a [f64],
-    /// Forces there \[N\].
+    /// Forces at these times \[N\].
     pub f: &'a [f64],
-    /// Where it begins \[s\].
+    /// Time at which the piece begins \[s\].
     pub start: f64,
-    /// Where it ends \[s\]: at its last node or before.
+    /// Time at which the piece ends \[s\]: its last node or earlier.
     pub end: f64,
     scale: f64,
     /// Divided differences over times from the start, in lengths of the piece.
@@ -209,7 +209,7 @@ impl<'a> Piece<'a> {
         }
     }
 
-    /// Force at a time of the piece \[N\].
+    /// Returns the force at a time of the piece \[N\].
     pub fn at(&self, t: f64) -> f64 {
         let n = self.t.len();
         let mut y = self.c[n - 1];
@@ -219,12 +219,12 @@ impl<'a> Piece<'a> {
         y
     }
 
-    /// Times and weights of quadrature over the piece \[s\].
+    /// Returns times and weights of Gauss quadrature over the piece \[s\].
     pub fn quadrature(&self) -> impl Iterator<Item = (f64, f64)> {
         gauss(self.start, self.end)
     }
 
-    /// The nodes that lie before its end, and its end, with their forces.
+    /// Returns the nodes that lie before its end, and its end, with their forces.
     pub fn nodes(&self) -> impl Iterator<Item = (f64, f64)> + '_ {
         let last = if self.end < self.t[self.t.len() - 1] {
             self.at(self.end)
@@ -235,7 +235,7 @@ impl<'a> Piece<'a> {
         (inner.take_while(|(t, _)| *t < self.end)).chain([(self.end, last)])
     }
 
-    /// Its greatest value and where it is \[s, N\]: of the nodes, and of the polynomial around the greatest of them.
+    /// Returns time and value of the maximum \[s, N\]: of the nodes, and of the polynomial around the greatest of them.
     pub fn peak(&self) -> (f64, f64) {
         let nodes: Vec<(f64, f64)> = self.nodes().collect();
         let best = (0..nodes.len()).max_by(|&a, &b| nodes[a].1.total_cmp(&nodes[b].1));
@@ -256,13 +256,13 @@ impl<'a> Piece<'a> {
     }
 }
 
-/// Times and weights of quadrature between two times \[s\].
+/// Returns times and weights of Gauss quadrature between two times \[s\].
 pub(crate) fn gauss(start: f64, end: f64) -> impl Iterator<Item = (f64, f64)> {
     let h = end - start;
     GAUSS.into_iter().map(move |(x, w)| (start + x * h, w * h))
 }
 
-/// The minimum of a function between two times by golden section: where it is, and its value.
+/// Returns place and value of the minimum of a function between two times, by golden section.
 pub(crate) fn minimum([mut a, mut b]: [f64; 2], f: &mut dyn FnMut(f64) -> f64) -> (f64, f64) {
     const RATIO: f64 = 0.618_033_988_749_894_8;
     let (mut c, mut d) = (b - RATIO * (b - a), a + RATIO * (b - a));

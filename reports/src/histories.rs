@@ -1,21 +1,21 @@
-//! Histories as data: what the files of a run hold, whole and on an even grid.
+//! Histories of a run at full resolution and on an even grid, as CSV files.
 //!
-//! `results.json` keeps what charts need; these tables go to CSV files once, by the study that made the run, and are
-//! described in `docs/data.md`: `runNN-NAME.csv` (a row per time of the grid, strictly ascending), `-pairs.csv` (a row per
-//! tooth pair that touches at such a time), `-events.csv` (a row per contact that closes or opens, with the force on both
-//! sides of the instant).
+//! `results.json` keeps the thinned histories of charts. The study that made the run writes these tables to CSV files
+//! once; `docs/data.md` describes them: `runNN-NAME.csv` (a row per time of the grid, strictly ascending), `-pairs.csv`
+//! (a row per tooth pair in contact at such a time), `-events.csv` (a row per contact that closes or opens, with the
+//! force on both sides of the instant).
 
 use crate::csv_table::{CsvTable, number};
 use crate::series::{Column, TimeSeries};
 use serde::{Deserialize, Serialize};
 
-/// What the names of its files add to that of a run: histories on the grid, tooth pairs, events.
+/// Endings of a run's CSV files after the stem of its name: histories on the grid, tooth pairs, contact events.
 pub(crate) const ENDINGS: [&str; 3] = [".csv", "-pairs.csv", "-events.csv"];
 
 /// Force of a tooth pair at a time of the grid.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct PairSample {
-    /// Time \[s\].
+    /// Time of the sample on the grid \[s\].
     pub time_s: f64,
     /// Mesh, counted from 1 in the order of the scene.
     pub mesh: usize,
@@ -48,40 +48,40 @@ fn no_tooth_moves(sprung: &[Option<SprungTooth>; 2]) -> bool {
 /// A contact that closes or opens.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ContactEvent {
-    /// When \[s\].
+    /// Time of the event \[s\].
     pub time_s: f64,
-    /// It closes; else it opens.
+    /// True if the contact closes, false if it opens.
     pub closes: bool,
     /// Mesh, counted from 1 in the order of the scene.
     pub mesh: usize,
     /// Teeth of its two gears, counted from 1.
     pub teeth: [i64; 2],
-    /// Contact force of the whole mesh just before and just after \[N\].
+    /// Contact force of the whole mesh just before and just after the event \[N\].
     pub force_n: [f64; 2],
-    /// The time is that of a located event, and the forces are both sides of it; else both are those of neighbouring
-    /// times of the grid.
+    /// True if the time is that of a located event and the forces are its two sides; else the forces are those at
+    /// neighbouring times of the grid.
     pub located: bool,
 }
 
-/// What the files of a run hold.
+/// Histories of a run at full resolution: the content of its CSV files.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Histories {
-    /// The whole series, once the record's own has been thinned.
+    /// The series at full resolution, if the record's own has been thinned.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub series: Option<TimeSeries>,
-    /// Rows of the whole series that lie on the grid, ascending.
+    /// Rows of that series at times of the grid, ascending.
     pub on_grid: Vec<usize>,
     /// Further columns, on the grid alone.
     pub further: Vec<Column>,
-    /// Tooth pairs that touch.
+    /// Forces of tooth pairs in contact, at times of the grid.
     pub pairs: Vec<PairSample>,
     /// Contacts that close and open.
     pub events: Vec<ContactEvent>,
 }
 
 impl Histories {
-    /// The table of one of the [`ENDINGS`]; `kept` is the series that stands in the record.
+    /// Returns the table of one of the [`ENDINGS`]; `kept` is the series in the record.
     pub(crate) fn table(&self, ending: usize, kept: Option<&TimeSeries>) -> CsvTable {
         match ending {
             0 => self.even(kept),
@@ -115,7 +115,7 @@ impl Histories {
     }
 }
 
-/// What a cell of the table of pairs says.
+/// Formats one cell of the table of tooth pairs.
 type Text<'c> = &'c dyn Fn(&&PairSample) -> String;
 
 fn pairs(samples: &[PairSample]) -> CsvTable {

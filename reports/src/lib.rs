@@ -1,8 +1,8 @@
 //! Result records, metrics, charts and the report of gearbench.
 //!
-//! A report is a pure function of saved data: `results.json` ([`record`]) holds everything that the
-//! comparison ([`metrics`]), the charts and the page need, so it can be drawn again at any time.
-//! This crate knows neither models nor integrators; its tables iterate the records.
+//! A report is a pure function of saved data: `results.json` ([`record`]) has all the data of the comparison
+//! ([`metrics`]), the charts and the page, so that these can be drawn again at any time. This crate does not depend on
+//! models or integrators; its tables iterate over the records.
 
 mod csv_table;
 pub mod dictionary;

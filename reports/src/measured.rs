@@ -1,10 +1,9 @@
-//! Measured curves next to the tables of a study: what a table of a study has over one of its columns, somebody has measured
-//! over the same column.
+//! Measured curves, compared with the tables of a study.
 //!
-//! Every study writes its results as tables ([`CsvTable`]), whose columns have fixed names with SI units. A measured curve
-//! names two of them, an abscissa and an ordinate, and is compared with every curve that the tables have of these two: of
-//! each model, and of each of what else texts in the table tell apart (gear, branch, order). With the measured points
-//! (x_i, m_i) that lie within the range of a computed curve y(x), joined by lines between its rows,
+//! Every study writes its results as tables ([`CsvTable`]), whose columns have fixed names with SI units. A measured
+//! curve names two of these columns, an abscissa and an ordinate. It is compared with every curve of these two in the
+//! tables: one per model and per combination of the table's texts (gear, branch, order). With the measured points (x_i,
+//! m_i) within the range of a computed curve y(x), which is linear between its rows,
 //!
 //! ```text
 //! error  = sqrt( sum w_i (y(x_i) - m_i)^2 / sum w_i m_i^2 )       w: trapezoidal rule over x
@@ -25,28 +24,28 @@ use crate::numbers::{Prefix, per_cent};
 use maud::{Markup, html};
 use serde::{Deserialize, Serialize};
 
-/// A measured curve.
+/// A measured curve with its abscissa, ordinate and source, as the scene gives it.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct MeasuredCurve {
-    /// The file that it comes from.
+    /// File with the measured points.
     pub source: String,
     /// Column of its abscissa in the tables of the study.
     pub abscissa: String,
-    /// Column of its ordinate.
+    /// Column of its ordinate in the tables of the study.
     pub ordinate: String,
     /// Texts by which rows of the tables are chosen: column and text.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub only: Vec<(String, String)>,
     /// Abscissae in SI units, ascending.
     pub x: Vec<f64>,
-    /// Ordinates in SI units.
+    /// Ordinates in SI units, one per abscissa.
     pub y: Vec<f64>,
 }
 
 /// A computed curve next to a measured one.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ComparedCurve {
-    /// Model, and what else tells the curve from others.
+    /// Model, and the texts that distinguish the curve from others of the model.
     pub label: String,
     /// Measured points within the range of the computed curve.
     pub covered: usize,
@@ -59,7 +58,7 @@ pub struct ComparedCurve {
     points: Vec<(f64, f64)>,
 }
 
-/// Columns of texts that say how a row came about, not of what it is.
+/// Columns of text that describe how a row was computed and do not distinguish curves.
 const REMARKS: [&str; 8] = [
     "status",
     "message",
@@ -91,7 +90,7 @@ impl MeasuredCurve {
         }
     }
 
-    /// What it is of, in words.
+    /// Returns the heading of the curve: ordinate over abscissa, with the rows it is restricted to.
     fn title(&self) -> String {
         let of = |name: &str| named_unit(name).0.replace('_', " ");
         let only: Vec<&str> = self.only.iter().map(|(_, text)| text.as_str()).collect();
@@ -102,7 +101,7 @@ impl MeasuredCurve {
         format!("{}{only} over {}", of(&self.ordinate), of(&self.abscissa))
     }
 
-    /// The computed curves of its two columns with their distances.
+    /// Returns the computed curves of its two columns with their errors.
     pub fn compared(&self, tables: &[CsvTable]) -> Vec<ComparedCurve> {
         let has = |t: &CsvTable, name: &str| t.header.iter().any(|h| h == name);
         let fits = |t: &&CsvTable| has(t, &self.abscissa) && has(t, &self.ordinate);
@@ -117,7 +116,7 @@ impl MeasuredCurve {
             .collect()
     }
 
-    /// The curves of a table.
+    /// Returns the curves of a table.
     fn curves(&self, table: &CsvTable) -> Curves {
         let place = |name: &str| table.header.iter().position(|h| h == name);
         let (Some(x), Some(y)) = (place(&self.abscissa), place(&self.ordinate)) else {
@@ -197,8 +196,8 @@ impl MeasuredCurve {
     }
 }
 
-/// A line for each computed curve next to a measured one, for a terminal; a measured curve that no table of the study has
-/// columns for is one line that says so.
+/// Returns a line for each computed curve next to a measured one, for a terminal. A measured curve without matching
+/// columns in any table gives one line that states this.
 pub fn lines(curves: &[MeasuredCurve], tables: &[CsvTable]) -> Vec<String> {
     let mut said = Vec::new();
     for curve in curves {
@@ -226,7 +225,7 @@ pub fn lines(curves: &[MeasuredCurve], tables: &[CsvTable]) -> Vec<String> {
     said
 }
 
-/// Why a measured curve is compared with nothing.
+/// Returns the reason why no computed curve is compared with a measured one.
 fn nothing_to_compare(curve: &MeasuredCurve, tables: &[CsvTable]) -> String {
     let columns = [&curve.abscissa, &curve.ordinate];
     let unknown = |name: &&&String| !tables.iter().any(|t| t.header.contains(name));
@@ -239,7 +238,7 @@ fn nothing_to_compare(curve: &MeasuredCurve, tables: &[CsvTable]) -> String {
     }
 }
 
-/// Section and charts of the measured curves of a record.
+/// Returns the section and the charts of the measured curves of a record.
 pub(crate) fn report(
     curves: &[MeasuredCurve],
     tables: &[CsvTable],
@@ -397,7 +396,8 @@ mod tests {
         }
     }
 
-    /// A curve that is a tenth too high is 10 % off, at the points within its range; what did not settle is not compared.
+    /// A curve that is 10 % too high has an error of 10 % at the points within its range; unsettled runs are not
+    /// compared.
     #[test]
     fn errors_are_those_of_the_points_that_a_curve_covers() {
         let found = measured(Vec::new()).compared(&[table(1.1)]);
@@ -415,7 +415,7 @@ mod tests {
         assert_eq!(one.compared(&[table(1.1)]).len(), 1);
     }
 
-    /// The page has a row and a line in the chart for each curve, and a curve without a table says so.
+    /// The page has a row and the chart a line for each curve, and the page names curves without a table.
     #[test]
     fn page_and_lines_name_every_curve() {
         let mut other = measured(Vec::new());

@@ -1,9 +1,9 @@
-//! Numbers as people read them: significant digits, SI prefixes, grouped counts.
+//! Formatting of numbers: significant digits, SI prefixes, grouped counts.
 
-/// What stands where there is no number.
+/// Text of a missing value, an en dash.
 pub const ABSENT: &str = "\u{2013}";
 
-/// `x` to `digits` significant digits; powers of ten outside 1e-4 .. 1e6. Absent if not finite.
+/// Formats `x` with `digits` significant digits, and with a power of ten outside 1e-4 to 1e6; [`ABSENT`] if not finite.
 pub fn significant(x: f64, digits: usize) -> String {
     if !x.is_finite() {
         return ABSENT.into();
@@ -28,7 +28,7 @@ pub fn significant(x: f64, digits: usize) -> String {
     minus(text)
 }
 
-/// `x` with a power of ten, whatever its size.
+/// Formats `x` with a power of ten, whatever its magnitude.
 pub fn power(x: f64, digits: usize) -> String {
     if !x.is_finite() {
         ABSENT.into()
@@ -39,7 +39,7 @@ pub fn power(x: f64, digits: usize) -> String {
     }
 }
 
-/// As [`significant`], without trailing zeros: for labels and prose.
+/// Formats `x` as [`significant`] does, without trailing zeros: for labels and prose.
 pub fn short(x: f64, digits: usize) -> String {
     let text = significant(x, digits);
     let (mantissa, exponent) = text
@@ -56,7 +56,7 @@ pub fn short(x: f64, digits: usize) -> String {
     }
 }
 
-/// The digits, at least `least`, that tell values apart that differ, and keep each to a two-thousandth.
+/// Returns the number of digits, at least `least`, at which different values differ and each is kept to 1/2000.
 pub fn digits_apart(values: &[f64], least: usize) -> usize {
     let texts = |digits: usize| -> Vec<String> {
         (values.iter().map(|x| format!("{x:.*e}", digits - 1))).collect()
@@ -77,10 +77,10 @@ pub fn digits_apart(values: &[f64], least: usize) -> usize {
         .unwrap_or(17)
 }
 
-/// What lies below this, as a ratio or in SI units, is rounding: no digit of it says anything.
+/// Threshold (a ratio, or a value in SI units) below which a number is rounding error and is written without digits.
 pub const ROUNDING: f64 = 1e-12;
 
-/// A ratio in per cent, without the sign of the unit; below [`ROUNDING`] only that it is.
+/// Formats a ratio in per cent, without the sign of the unit; below [`ROUNDING`] only as rounding.
 pub fn percent(ratio: f64, digits: usize) -> String {
     if ratio != 0.0 && ratio.abs() < ROUNDING {
         return "<\u{a0}1e\u{2212}10".into();
@@ -88,7 +88,7 @@ pub fn percent(ratio: f64, digits: usize) -> String {
     significant(100.0 * ratio, digits)
 }
 
-/// A ratio in per cent with its unit, such as `4.69 %`; without trailing zeros as [`short`].
+/// Formats a ratio in per cent with its unit, such as `4.69 %`; without trailing zeros as [`short`].
 pub fn per_cent(ratio: f64, digits: usize) -> String {
     if ratio.is_finite() {
         format!("{}\u{a0}%", percent(ratio, digits))
@@ -97,12 +97,12 @@ pub fn per_cent(ratio: f64, digits: usize) -> String {
     }
 }
 
-/// A limit in per cent: `5 %`, `0.5 %`.
+/// Formats a limit in per cent: `5 %`, `0.5 %`.
 pub fn limit(ratio: f64) -> String {
     format!("{}\u{a0}%", short(100.0 * ratio, 3))
 }
 
-/// A deviation in per cent with its sign, without the unit; rounding is no deviation.
+/// Formats a deviation in per cent with its sign, without the unit; a deviation below [`ROUNDING`] is 0.
 pub fn deviation(ratio: f64, digits: usize) -> String {
     if ratio.abs() < ROUNDING {
         return "0".into();
@@ -111,12 +111,12 @@ pub fn deviation(ratio: f64, digits: usize) -> String {
     format!("{sign}{}", significant(100.0 * ratio, digits))
 }
 
-/// So many of something: `1 choice`, `2 choices`.
+/// Formats a number of things with their noun: `1 choice`, `2 choices`.
 pub fn counted(n: usize, one: &str, many: &str) -> String {
     format!("{} {}", count(n as u64), if n == 1 { one } else { many })
 }
 
-/// A ratio of costs or steps in words, `2.8 times `; nothing where it is one to the digits that it has.
+/// Returns a ratio of costs or steps in words, `2.8 times `; an empty text where it rounds to 1.0.
 pub fn times(ratio: f64) -> String {
     match significant(ratio, 2).as_str() {
         "1.0" => String::new(),
@@ -124,7 +124,7 @@ pub fn times(ratio: f64) -> String {
     }
 }
 
-/// A count in groups of three.
+/// Formats a count with its digits in groups of three.
 pub fn count(n: u64) -> String {
     let digits = n.to_string();
     let mut out = String::new();
@@ -137,18 +137,18 @@ pub fn count(n: u64) -> String {
     out
 }
 
-/// A factor and the prefix that goes with it.
+/// An SI prefix with its factor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Prefix {
     /// Multiply SI values with this.
     pub factor: f64,
-    /// Put this before the unit.
+    /// Symbol to be written before the unit.
     pub symbol: &'static str,
 }
 
 impl Prefix {
-    /// The prefix under which a magnitude reads as 1 .. 1000. `small_from` moves the boundary: 20
-    /// keeps 15 000 N as `15000` and calls 25 000 N `25 kN`.
+    /// Returns the prefix under which a magnitude reads as 1 to 1000. `small_from` moves the boundary: 20 keeps 15 000
+    /// N as `15000` and makes 25 000 N `25 kN`.
     pub fn of(magnitude: f64, small_from: f64) -> Self {
         const TABLE: [(f64, &str); 8] = [
             (1e-9, "n"),
@@ -177,7 +177,7 @@ impl Prefix {
     }
 }
 
-/// The kilogram has its prefix already: a prefix goes before the gram.
+/// Converts a quantity in kilograms to grams, since a unit has one prefix at most.
 fn in_grams(x: f64, unit: &str) -> (f64, &str) {
     match unit.strip_prefix('k') {
         Some(grams) if grams.starts_with('g') => (1e3 * x, grams),
@@ -185,7 +185,7 @@ fn in_grams(x: f64, unit: &str) -> (f64, &str) {
     }
 }
 
-/// As [`quantity`], without trailing zeros: for steps and other numbers that were set.
+/// Formats a quantity as [`quantity`] does, without trailing zeros: for steps and other given numbers.
 pub fn round_quantity(x: f64, unit: &str, digits: usize) -> String {
     if !x.is_finite() || x.abs() < ROUNDING {
         return quantity(x, unit, digits);
@@ -195,7 +195,7 @@ pub fn round_quantity(x: f64, unit: &str, digits: usize) -> String {
     format!("{}\u{a0}{}{unit}", short(x * p.factor, digits), p.symbol)
 }
 
-/// A quantity with prefix and unit, such as `1.23 ms`; zero below [`ROUNDING`].
+/// Formats a quantity with prefix and unit, such as `1.23 ms`; zero below [`ROUNDING`].
 pub fn quantity(x: f64, unit: &str, digits: usize) -> String {
     if !x.is_finite() {
         return ABSENT.into();
@@ -212,7 +212,7 @@ pub fn quantity(x: f64, unit: &str, digits: usize) -> String {
     )
 }
 
-/// The true minus sign, also in the exponent.
+/// Replaces hyphens by the minus sign, also in the exponent.
 fn minus(text: String) -> String {
     text.replace('-', "\u{2212}")
 }

@@ -1,4 +1,4 @@
-//! Time series: what a run or a reference recorded over time, in SI units.
+//! Time series of a run or of a reference, in SI units.
 //!
 //! Owns [`TimeSeries`] with its invariants (all columns as long as the time axis or absent, time not
 //! decreasing), linear interpolation, and thinning that keeps the extrema.
@@ -6,17 +6,19 @@
 use crate::force::ForceHistory;
 use serde::{Deserialize, Serialize};
 
-/// Column of the place of the tooth of the first mesh in its backlash [-]; further meshes name their gears behind it.
+/// Column of the position of the tooth of the first mesh in its backlash [-]; for further meshes the names of their
+/// gears follow.
 pub const BACKLASH_POSITION: &str = "backlash_position";
-/// Column of the error of the speed ratio of the first mesh [-], likewise.
+/// Column of the error of the speed ratio of the first mesh [-]; for further meshes the names of their gears follow.
 pub const SPEED_RATIO_ERROR: &str = "speed_ratio_error";
-/// What columns of the deflection of movable teeth begin with, before the name of the gear.
+/// Prefix of the columns with the deflection of a movable tooth; the name of the gear follows it.
 pub const TOOTH_DEFLECTION: &str = "tooth_deflection";
-/// The same of the radial part of the contact force on such a tooth.
+/// Prefix of the columns with the radial part of the contact force on a movable tooth; the name of the gear follows it.
 pub const TOOTH_RADIAL_FORCE: &str = "tooth_radial_force";
-/// The same of its tangential part.
+/// Prefix of the columns with the tangential part of the contact force on a movable tooth; the name of the gear follows
+/// it.
 pub const TOOTH_TANGENTIAL_FORCE: &str = "tooth_tangential_force";
-/// The same of the force of its spring and damper.
+/// Prefix of the columns with the force of the spring and damper of a movable tooth; the name of the gear follows it.
 pub const TOOTH_SPRING_FORCE: &str = "tooth_spring_force";
 
 /// Sampled histories over a common time axis.
@@ -27,7 +29,7 @@ pub const TOOTH_SPRING_FORCE: &str = "tooth_spring_force";
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct TimeSeries {
-    /// Time \[s\].
+    /// Times of the samples \[s\], not decreasing; two equal times are the two sides of a jump.
     pub time_s: Vec<f64>,
     /// Contact force, the magnitude in space of the vector sum over the tooth pairs: on helical gears the force normal to
     /// the flanks, not its transverse part \[N\].
@@ -84,18 +86,18 @@ impl TimeSeries {
         self.omega2_rad_s.push(omega2);
     }
 
-    /// The values of a further column by its name.
+    /// Returns the values of a further column by its name.
     pub fn column(&self, name: &str) -> Option<&[f64]> {
         let found = self.columns.iter().find(|c| c.name == name)?;
         Some(&found.values)
     }
 
-    /// Number of samples.
+    /// Returns the number of samples.
     pub fn len(&self) -> usize {
         self.time_s.len()
     }
 
-    /// Whether there is no sample.
+    /// True if the series has no samples.
     pub fn is_empty(&self) -> bool {
         self.time_s.is_empty()
     }
@@ -120,7 +122,8 @@ impl TimeSeries {
         }
     }
 
-    /// The columns beside time with their names, standard ones first; without those that a reference does not have.
+    /// Returns all columns except time with their names, standard ones first; columns that a reference does not have
+    /// are left out.
     pub fn named_columns(&self) -> impl Iterator<Item = (&str, &[f64])> {
         [
             ("contact_force_n", self.contact_force_n.as_slice()),
@@ -136,14 +139,14 @@ impl TimeSeries {
         .filter(|(_, column)| self.is_empty() || !column.is_empty())
     }
 
-    /// The samples before the first that is not finite in any column: what a run that blew up left
-    /// behind.
+    /// Returns the samples before the first that is not finite in any column, which are the usable part of a run that
+    /// blew up.
     #[must_use]
     pub fn finite_prefix(&self) -> Self {
         self.select(&(0..self.finite_len()).collect::<Vec<_>>())
     }
 
-    /// The number of these samples.
+    /// Returns the number of samples before the first that is not finite in any column.
     pub(crate) fn finite_len(&self) -> usize {
         self.named_columns()
             .map(|(_, c)| c)
@@ -153,8 +156,8 @@ impl TimeSeries {
             .unwrap_or(0)
     }
 
-    /// A series of at most about `6 * buckets` samples in which every bucket of time keeps the
-    /// least and the greatest value of each standard column: peaks stay, the file gets small.
+    /// Returns a series of at most about `6 * buckets` samples that keeps the extrema of each standard column in every
+    /// bucket of time.
     #[must_use]
     pub fn thinned(&self, buckets: usize) -> Self {
         if buckets == 0 || self.len() <= 6 * buckets || self.validate().is_err() {
@@ -176,8 +179,8 @@ impl TimeSeries {
         self.select(&keep)
     }
 
-    /// As [`TimeSeries::thinned`], but every sample with a time in `window` \[s\] stays: charts show a part of a
-    /// long history in close-up.
+    /// Returns a thinned series as [`TimeSeries::thinned`] does, but with every sample whose time lies in `window`
+    /// \[s\]: charts show a part of a long history in close-up.
     #[must_use]
     pub fn thinned_around(&self, buckets: usize, window: [f64; 2]) -> Self {
         let thin = self.thinned(buckets);
@@ -229,7 +232,7 @@ impl TimeSeries {
     }
 }
 
-/// Min-max decimation of a polyline over `buckets` equal parts of its time span.
+/// Returns the indices of a min-max decimation of a polyline over `buckets` equal parts of its time span.
 ///
 /// Returns ascending indices: the first and last sample, and of each bucket the samples with the
 /// least and the greatest value. Nothing is dropped where this would not shorten the line.
@@ -278,8 +281,8 @@ fn extrema_per_bucket(t: &[f64], y: &[f64], buckets: usize) -> Vec<usize> {
     keep
 }
 
-/// Linear interpolation of `y(t)` at the ascending times `at`, each moved by `-shift`; zero outside
-/// the samples: a force that was not computed counts as none.
+/// Interpolates `y(t)` linearly at the ascending times `at`, each moved by `-shift`; zero outside the samples, since a
+/// force that was not computed counts as none.
 pub(crate) fn resample(t: &[f64], y: &[f64], at: &[f64], shift: f64, out: &mut Vec<f64>) {
     out.clear();
     let n = t.len().min(y.len());

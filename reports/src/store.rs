@@ -1,9 +1,9 @@
 //! Files of a study: `results.json`, CSV per history, charts and the page.
 //!
-//! Histories are data: the study writes them once, whole ([`crate::histories`]). Everything else but `results.json` is
-//! drawn from the text of `results.json`, also when it was just made, so that [`report_from`] gives the same bytes at
-//! any later time and leaves the histories alone. A file is written whole or not at all: all go to a staging folder
-//! first and are renamed into place.
+//! The study writes the histories once, at full resolution ([`crate::histories`]). All other files are drawn from the
+//! text of `results.json`, also when it was just made, so that [`report_from`] gives the same bytes at any later time
+//! and does not touch the histories. A file is written completely or not at all: all files go to a staging folder first
+//! and are then renamed.
 
 use crate::csv_table::{CsvTable, number};
 use crate::drawing::canvas::DrawError;
@@ -29,20 +29,20 @@ pub enum ReportError {
     /// A file or folder refused.
     #[error("{}: {source}", path.display())]
     Io {
-        /// File or folder.
+        /// Path of the file or folder.
         path: PathBuf,
-        /// Reason.
+        /// Error of the operating system.
         source: io::Error,
     },
-    /// A record is not what this version reads.
+    /// A record does not conform to the format that this version reads.
     #[error("{}: {reason}", path.display())]
     Record {
-        /// The record.
+        /// Path of the record.
         path: PathBuf,
         /// Reason, with line and column where there is one.
         reason: String,
     },
-    /// A chart could not be drawn.
+    /// A chart failed to be drawn.
     #[error(transparent)]
     Draw(#[from] DrawError),
 }
@@ -94,7 +94,7 @@ pub fn write_results(dir: &Path, results: &Results) -> Result<PathBuf, ReportErr
 }
 
 /// Draws charts, tables and page of a folder again from its `results.json` alone. The files of histories stay as the
-/// study wrote them: the record has only what charts need of them.
+/// study wrote them, since the record keeps only the thinned histories of charts.
 ///
 /// # Errors
 /// [`ReportError`] when the record cannot be read or a file cannot be written.
@@ -154,7 +154,7 @@ fn parse(text: &str, path: &Path) -> Result<Results, ReportError> {
     Ok(results)
 }
 
-/// What a file holds: histories are written one by one, never all in memory.
+/// Content of a file. Histories are written one by one and are never all in memory.
 enum Content<'a> {
     Text(String),
     Table(Box<dyn Fn() -> CsvTable + 'a>),
@@ -184,8 +184,8 @@ struct HistoryFile<'a> {
     file: File<'a>,
 }
 
-/// Runs whose histories have files. Of a comparison that is one run of each model, the most accurate one: files of all runs
-/// would be hundreds that differ by integration errors alone.
+/// Returns the runs whose histories have files. For a comparison this is the most accurate run of each model: files of
+/// all runs would be hundreds that differ by integration errors alone.
 fn runs_with_files(results: &Results) -> Vec<usize> {
     if results.study() != Study::Compare {
         return (0..results.runs.len()).collect();
@@ -195,7 +195,8 @@ fn runs_with_files(results: &Results) -> Vec<usize> {
     kept.map(|(i, _)| *i).collect()
 }
 
-/// The histories of references, and of runs the whole ones that a study hands over, else what the record has.
+/// Returns the histories of references, and those of runs: at full resolution where the study has them, else as in the
+/// record.
 fn histories<'a>(results: &'a Results) -> Vec<HistoryFile<'a>> {
     let mut files: Vec<HistoryFile<'a>> = Vec::new();
     let mut add = |run: Option<usize>, name: String, table: Box<dyn Fn() -> CsvTable + 'a>| {
@@ -235,7 +236,7 @@ fn histories<'a>(results: &'a Results) -> Vec<HistoryFile<'a>> {
     files
 }
 
-/// The names of all files of histories that a record may have made.
+/// Returns the names of all files of histories that a record can have.
 fn history_names(results: &Results) -> impl Iterator<Item = String> {
     let references = results.references.iter().enumerate();
     let runs = results
@@ -248,7 +249,7 @@ fn history_names(results: &Results) -> impl Iterator<Item = String> {
         .chain(runs.flat_map(|(i, r)| ENDINGS.map(|ending| format!("{}{ending}", r.file_stem(i)))))
 }
 
-/// The name of the file of a reference, and of its histories at other times.
+/// Returns the name of the file of a reference, and of its histories at other times.
 fn reference_name(i: usize, reference: &ReferenceSeries, k: usize) -> String {
     let more = match k {
         0 => String::new(),
@@ -303,7 +304,7 @@ fn put(dir: &Path, files: &[File<'_>]) -> Result<(), ReportError> {
     result
 }
 
-/// JSON with objects on lines and arrays of numbers in one line.
+/// Formats a record as JSON, with objects on several lines and arrays of numbers on one.
 fn to_json(results: &Results) -> serde_json::Result<String> {
     let mut bytes = Vec::new();
     let mut serializer = serde_json::Serializer::with_formatter(&mut bytes, Layout { depth: 0 });

@@ -1,4 +1,4 @@
-//! What charts and page both ask of a record: models in order, their best runs, the reference.
+//! The view of a record that charts and page share: models in order of appearance, their best runs, and the reference.
 
 use crate::metrics::Metric;
 use crate::numbers::{per_cent, quantity, round_quantity};
@@ -10,12 +10,12 @@ use std::borrow::Cow;
 /// A relative error below this is rounding, not a result.
 pub const NOTHING: f64 = 1e-10;
 
-/// What an error against a model's own converged solution is.
+/// Kind of an error against the converged solution of the run's own model, for use before the word "error".
 pub const INTEGRATION: &str = "integration";
 
 /// The runs of one model variant.
 pub struct Group<'a> {
-    /// Model and variant.
+    /// Label of the model with its variant.
     pub label: String,
     /// Place in the order of appearance: decides colour, dash and marker everywhere.
     pub style: usize,
@@ -30,15 +30,16 @@ pub struct View<'a> {
     pub groups: Vec<Group<'a>>,
     /// Id of the reference that errors refer to.
     pub against: Option<String>,
-    /// The error metric.
+    /// Metric of the errors in the report.
     pub metric: Metric,
-    /// Greatest error in it that is accurate enough, where the scene says one.
+    /// Greatest adequate error in that metric; `None` if the scene states no tolerance.
     pub limit: Option<f64>,
-    /// What a comparison compares its models with.
+    /// Yardstick that the models of a comparison are compared with; `None` in records of other studies.
     pub yardstick: Option<Cow<'a, Yardstick>>,
 }
 
-/// The yardstick of a comparison. Records of former versions do not name theirs: it is the first of their references.
+/// Returns the yardstick of a comparison. Records of former versions do not name theirs: it is the first of their
+/// references.
 pub fn yardstick_of(results: &Results) -> Option<Cow<'_, Yardstick>> {
     let Part::Compare(part) = &results.part else {
         return None;
@@ -56,7 +57,7 @@ pub fn yardstick_of(results: &Results) -> Option<Cow<'_, Yardstick>> {
 }
 
 impl<'a> View<'a> {
-    /// Sorts a record for the report.
+    /// Makes the view of a record for the report.
     pub fn new(results: &'a Results) -> Self {
         let mut groups: Vec<Group<'a>> = Vec::new();
         for (index, run) in results.runs.iter().enumerate() {
@@ -108,7 +109,7 @@ impl<'a> View<'a> {
         }
     }
 
-    /// The reference drawn as the dark line.
+    /// Returns the reference that charts show as the dark line.
     pub fn reference(&self) -> Option<&'a ReferenceSeries> {
         let all = &self.results.references;
         let id = self.against.as_deref();
@@ -118,7 +119,7 @@ impl<'a> View<'a> {
             .filter(|r| !r.series.is_empty())
     }
 
-    /// Name of a reference for prose and legends.
+    /// Returns the name of a reference for prose and legends.
     pub fn reference_name(&self, id: &str) -> String {
         if id == SELF {
             return "the model's own converged solution".into();
@@ -129,7 +130,7 @@ impl<'a> View<'a> {
         }
     }
 
-    /// The error of a run, as a magnitude.
+    /// Returns the magnitude of a run's error in the metric of the view.
     pub fn error(&self, run: &Run) -> Option<f64> {
         let metrics = run.against(self.against.as_deref()?)?;
         metrics
@@ -138,12 +139,12 @@ impl<'a> View<'a> {
             .map(f64::abs)
     }
 
-    /// Whether the constants of a run were fitted to the very history that errors refer to.
+    /// True if the constants of a run were fitted to the history that its errors refer to.
     pub fn is_fitted(&self, run: &Run) -> bool {
         run.fitted_to.is_some() && run.fitted_to == self.against
     }
 
-    /// What an error of a run that was not fitted is.
+    /// Returns the kind of the error of a run that was not fitted, for use before the word "error".
     pub fn kind_of_error(&self) -> &'static str {
         match self.against.as_deref() {
             Some(SELF) => INTEGRATION,
@@ -158,7 +159,7 @@ impl<'a> View<'a> {
         }
     }
 
-    /// An error in the metric of the view, with its unit.
+    /// Formats an error in the metric of the view, with its unit.
     pub fn error_text(&self, error: f64) -> String {
         match self.metric.unit() {
             "" if error < NOTHING => "below 1e\u{2212}8\u{a0}%".into(),
@@ -167,7 +168,7 @@ impl<'a> View<'a> {
         }
     }
 
-    /// Whether a run is accurate enough; `None` where the scene asks for nothing, or the run cannot be judged.
+    /// Returns the verdict on the accuracy of a run; `None` if the scene states no tolerance or the run has no error.
     pub fn verdict(&self, run: &Run) -> Option<Adequacy> {
         if run.status.is_failure() {
             return None;
@@ -180,14 +181,15 @@ impl<'a> View<'a> {
         })
     }
 
-    /// Whether a run is the yardstick itself or of its model.
+    /// True if the run is the yardstick of the comparison, or a run of the model that the yardstick comes from.
     pub fn is_yardstick(&self, run: &Run) -> bool {
         (self.yardstick.as_ref()).is_some_and(|y| {
             matches!(y.kind, Kind::Model | Kind::Named) && y.title == run.model_label()
         })
     }
 
-    /// Whether a run ended well and is accurate enough: by the limit of the scene, else by its integration.
+    /// True if a run is adequate by the tolerance of the scene, or, without a tolerance, if its status is one that
+    /// holds.
     pub fn adequate(&self, run: &Run) -> bool {
         match self.limit {
             Some(_) => self.verdict(run) == Some(Adequacy::Adequate),
@@ -195,26 +197,27 @@ impl<'a> View<'a> {
         }
     }
 
-    /// The run that a model costs: its cheapest adequate one, else its most accurate one. All that is said of the time of a
-    /// model is said of this run.
+    /// Returns the run whose cost counts as that of its model: the cheapest adequate one, else the most accurate one.
+    /// All texts on the time of a model refer to this run.
     pub fn costed<'g>(&self, group: &'g Group<'a>) -> Option<&'g (usize, &'a Run)> {
         self.cheapest(group).or_else(|| self.best(group))
     }
 
-    /// The cheapest adequate run of a model.
+    /// Returns the cheapest adequate run of a model.
     pub fn cheapest<'g>(&self, group: &'g Group<'a>) -> Option<&'g (usize, &'a Run)> {
         (group.runs.iter())
             .filter(|(_, r)| self.adequate(r) && r.cost_s().is_finite())
             .min_by(|a, b| a.1.cost_s().total_cmp(&b.1.cost_s()))
     }
 
-    /// The run that stands for its model: the least error among runs that did not fail, the
-    /// cheapest of those that share its three leading digits.
+    /// Returns the run that represents its model: the least error among runs that did not fail, and the least cost
+    /// among those that share its three leading digits.
     pub fn best<'g>(&self, group: &'g Group<'a>) -> Option<&'g (usize, &'a Run)> {
         self.best_by(group, Run::cost_s)
     }
 
-    /// The same with another cost.
+    /// Returns the run with the least error of a model; among runs that share its three leading digits the one of least
+    /// `cost`.
     fn best_by<'g>(
         &self,
         group: &'g Group<'a>,
@@ -239,13 +242,13 @@ impl<'a> View<'a> {
         }
     }
 
-    /// The run whose histories are drawn for a model: the best one with a series, failing that the
-    /// longest failed one.
+    /// Returns the run whose histories charts show for a model: the best one with a series, else the longest failed
+    /// one.
     pub fn drawn<'g>(&self, group: &'g Group<'a>) -> Option<&'g (usize, &'a Run)> {
         self.drawn_by(group, Run::cost_s)
     }
 
-    /// The run whose histories have files: as [`View::drawn`], but chosen by work and not by the clock.
+    /// Returns the run whose histories are written to files, as [`View::drawn`], but by work instead of time.
     pub fn kept<'g>(&self, group: &'g Group<'a>) -> Option<&'g (usize, &'a Run)> {
         self.drawn_by(group, |r| r.force_evaluations as f64)
     }
@@ -277,8 +280,8 @@ impl<'a> View<'a> {
     }
 }
 
-/// The metric that errors against a reference are told in where `metric` is the study's: that of the integrator against
-/// the model's own converged solution, where the record has it.
+/// Returns the metric of errors against a reference, where `metric` is the study's: against the model's own converged
+/// solution it is the metric of integration errors, if the record has it.
 pub fn metric_against(results: &Results, id: &str, metric: Metric) -> Metric {
     let own = metric.of_integration();
     let known = |r: &Run| r.against(id).is_some_and(|m| m.get(own).is_some());
@@ -289,7 +292,7 @@ pub fn metric_against(results: &Results, id: &str, metric: Metric) -> Metric {
     }
 }
 
-/// Step or tolerance of a run, for labels.
+/// Returns the step or tolerance of a run, for labels.
 pub fn resolution(run: &Run) -> String {
     match (run.step, run.rtol) {
         (Some(h), _) => format!("h\u{a0}=\u{a0}{}", round_quantity(h, "s", 3)),
@@ -298,7 +301,7 @@ pub fn resolution(run: &Run) -> String {
     }
 }
 
-/// A text with a capital letter at its beginning.
+/// Returns a text with its first letter in upper case.
 pub fn capital(text: &str) -> String {
     let mut chars = text.chars();
     chars.next().map_or(String::new(), |first| {

@@ -1,4 +1,4 @@
-//! Enums whose variants are words of the format.
+//! Enums whose variants have fixed words in the record format.
 
 /// Declares an enum once with the word of every variant: the word in records, in text, and back.
 macro_rules! words {
@@ -10,10 +10,10 @@ macro_rules! words {
         }
 
         impl $name {
-            /// All, in the order of the format.
+            /// All variants, in the order of the format.
             pub const ALL: [Self; [$($word),+].len()] = [$(Self::$variant),+];
 
-            /// The word of the format and of the report.
+            /// Returns the word of the format and of the report.
             #[must_use]
             pub fn as_str(self) -> &'static str {
                 match self {

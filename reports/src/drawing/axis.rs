@@ -9,7 +9,7 @@ pub const TICK_SIZE: f64 = 12.5;
 /// Font size of axis names and legends.
 pub const NAME_SIZE: f64 = 13.5;
 
-/// Magnitudes beyond which a chart shows a value at its edge: decades, spans and scales of the page stay numbers.
+/// Largest magnitude on a chart: larger values are drawn at the edge, so that decades, spans and scales stay finite.
 const GREATEST: f64 = 1e100;
 const LEAST: f64 = 1e-100;
 
@@ -22,7 +22,7 @@ pub struct Axis {
 }
 
 impl Axis {
-    /// A linear axis over exactly this range; an empty or broken range is widened.
+    /// Makes a linear axis over exactly this range; an empty or broken range is widened.
     pub fn linear(min: f64, max: f64) -> Self {
         let (min, max) = if min.is_finite() && max.is_finite() {
             let [a, b] = [min, max].map(|x| x.clamp(-GREATEST, GREATEST));
@@ -45,19 +45,19 @@ impl Axis {
         }
     }
 
-    /// A linear axis with the part `margin` of the range added at both ends.
+    /// Makes a linear axis with the part `margin` of the range added at both ends.
     pub fn padded(min: f64, max: f64, margin: f64) -> Self {
         let axis = Self::linear(min, max);
         let pad = margin * (axis.max - axis.min);
         Self::linear(axis.min - pad, axis.max + pad)
     }
 
-    /// A linear axis from zero to a little more than `max`.
+    /// Makes a linear axis from zero to a little more than `max`.
     pub fn from_zero(max: f64) -> Self {
         Self::linear(0.0, if max > 0.0 { 1.08 * max } else { 1.0 })
     }
 
-    /// A logarithmic axis around positive values, a fifth of a decade wider at both ends.
+    /// Makes a logarithmic axis around positive values, a fifth of a decade wider at both ends.
     pub fn logarithmic(min: f64, max: f64) -> Self {
         if !(min > 0.0 && max.is_finite()) {
             return Self::linear(0.0, 1.0);
@@ -66,7 +66,7 @@ impl Axis {
         Self::decades(10f64.powf(low - 0.2), 10f64.powf(high + 0.2))
     }
 
-    /// A logarithmic axis over exactly this range of positive values; an empty or broken range is widened.
+    /// Makes a logarithmic axis over exactly this range of positive values; an empty or broken range is widened.
     pub fn decades(min: f64, max: f64) -> Self {
         let [min, max] = [min, max].map(|x| {
             if x.is_nan() {
@@ -88,7 +88,7 @@ impl Axis {
         }
     }
 
-    /// Place in 0 .. 1 from the lower to the upper end.
+    /// Returns the position in the range, from 0 at the lower to 1 at the upper end.
     pub fn place(&self, x: f64) -> f64 {
         if self.log {
             (x.max(1e-300) / self.min).log10() / (self.max / self.min).log10()
@@ -97,7 +97,7 @@ impl Axis {
         }
     }
 
-    /// Main ticks, at most about `most`.
+    /// Returns the main ticks, at most about `most`.
     pub fn ticks(&self, most: usize) -> Vec<f64> {
         if self.log {
             let (low, high) = (self.min.log10(), self.max.log10());
@@ -131,7 +131,7 @@ impl Axis {
     }
 }
 
-/// The least of 1, 2, 5 times a power of ten that is not below `x`.
+/// Returns the least of 1, 2, 5 times a power of ten that is not below `x`.
 pub fn nice_step(x: f64) -> f64 {
     if !(x.is_finite() && x > 0.0) {
         return 1.0;
@@ -144,7 +144,7 @@ pub fn nice_step(x: f64) -> f64 {
         .unwrap_or(10.0 * power)
 }
 
-/// Text of a tick; its neighbours decide on digits and notation, so that an axis has one of each.
+/// Formats a tick; its neighbours determine digits and notation, so that they are the same for the whole axis.
 pub fn tick_label(x: f64, ticks: &[f64], log: bool) -> String {
     if log {
         let plain = |t: &f64| (0.999e-3..1.001e5).contains(t);
@@ -166,7 +166,7 @@ pub fn tick_label(x: f64, ticks: &[f64], log: bool) -> String {
     format!("{x:.decimals$}").replace('-', "\u{2212}")
 }
 
-/// A number with a power of ten, such as 2\u{b7}10\u{207b}\u{2075}.
+/// Formats a number with a power of ten, such as 2\u{b7}10\u{207b}\u{2075}.
 fn power_of_ten(x: f64) -> String {
     let text = format!("{x:.3e}");
     let (mantissa, exponent) = text.split_once('e').unwrap_or((&text, "0"));
@@ -191,14 +191,14 @@ fn power_of_ten(x: f64) -> String {
 
 /// A plot on the page with its two axes.
 pub struct Frame {
-    /// Where it lies on the page.
+    /// Area of the plot on the page.
     pub area: Rect,
     pub x: Axis,
     pub y: Axis,
 }
 
 impl Frame {
-    /// The point on the page of a point in data.
+    /// Returns the point on the page of a point in data.
     pub fn at(&self, x: f64, y: f64) -> (f64, f64) {
         (
             self.area.x0 + self.x.place(x) * self.area.width(),
@@ -206,7 +206,7 @@ impl Frame {
         )
     }
 
-    /// The abscissa alone, with at most about so many ticks: grid, labels, base line, name.
+    /// Paints the abscissa alone, with at most about `most` ticks: grid, labels, base line, name.
     pub fn paint_x(&self, c: &mut Canvas<'_>, name: &str, most: usize) {
         let r = &self.area;
         let ticks = self.x.ticks(most);
@@ -221,7 +221,7 @@ impl Frame {
         c.text(name, at, Type::new(NAME_SIZE, Anchor::Middle));
     }
 
-    /// Grid, tick labels, names and edge. `x_labels` is off for panels that share the axis below.
+    /// Paints grid, tick labels, names and edge. `x_labels` is off for panels that share the axis below.
     pub fn paint(&self, c: &mut Canvas<'_>, x_name: &str, y_name: &str, x_labels: bool) {
         let ticks = self.x.ticks((self.area.width() / 85.0) as usize);
         let ticks: Vec<(f64, String)> = (ticks.iter())
@@ -230,7 +230,7 @@ impl Frame {
         self.paint_at(c, &ticks, x_name, y_name, x_labels);
     }
 
-    /// The same with ticks of the abscissa as given.
+    /// Paints the frame like `paint`, but with ticks of the abscissa that the caller gives.
     pub fn paint_at(
         &self,
         c: &mut Canvas<'_>,
@@ -300,7 +300,7 @@ mod tests {
         assert_eq!(nice_step(0.031), 0.05);
     }
 
-    /// An axis is in one notation: never 1e-5 beside 0.001.
+    /// All tick labels of an axis have the same notation: never 1e-5 next to 0.001.
     #[test]
     fn ticks_of_an_axis_are_in_one_notation() {
         let labels = |ticks: &[f64], log| -> Vec<String> {

@@ -1,8 +1,8 @@
 //! A drawing surface over the SVG backend of plotters.
 //!
-//! The backend rounds to whole units, so everything is drawn at `SCALE` times the size and
-//! brought back by the view box. Dash patterns and a title, which the backend does not know, are
-//! added to its text. Coordinates that are not finite never reach the file.
+//! The backend rounds to whole units, so everything is drawn at `SCALE` times the size and reduced by the view box. The
+//! backend supports neither dash patterns nor a title, so both are added to its text. Coordinates that are not finite
+//! never reach the file.
 
 use super::geometry::{Rect, clip_segment, simplified};
 pub use super::ink::Ink;
@@ -11,20 +11,20 @@ use plotters::prelude::{DrawingBackend, FontTransform, RGBColor, SVGBackend, Sha
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::style::{Color, IntoFont};
 
-/// Drawn units per unit of the page.
+/// Units of the SVG backend per unit of the page.
 const SCALE: f64 = 10.0;
 
-/// Points of long lines closer than this to what is left are left out.
+/// Distance below which points of long lines are left out \[page units\].
 const FINE: f64 = 0.12;
 
-/// Where text stands relative to its point.
+/// Alignment of a text relative to its point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Anchor {
-    /// Begins at the point.
+    /// The text begins at the point.
     Start,
-    /// Centred on the point.
+    /// The text is centred on the point.
     Middle,
-    /// Ends at the point.
+    /// The text ends at the point.
     End,
 }
 
@@ -36,7 +36,7 @@ pub struct Type {
     /// Horizontal place; vertically text is centred.
     pub anchor: Anchor,
     pub bold: bool,
-    /// Turned to read upwards.
+    /// True for text that is turned to read upwards.
     pub upwards: bool,
 }
 
@@ -73,7 +73,7 @@ pub struct Stroke {
 }
 
 impl Stroke {
-    /// A full line.
+    /// Makes a solid line of the given width.
     pub fn new(ink: Ink, width: f64) -> Self {
         Self {
             ink,
@@ -86,7 +86,7 @@ impl Stroke {
     }
 }
 
-/// The drawing failed; on a text buffer this does not happen.
+/// An error of the drawing backend; a text buffer has none.
 #[derive(Debug, thiserror::Error)]
 #[error("a chart could not be drawn: {0}")]
 pub struct DrawError(String);
@@ -161,7 +161,7 @@ fn with_dashes(body: &str, dashes: &[(usize, &'static [f64])]) -> String {
     out
 }
 
-/// Text without control characters and the quotes of names.
+/// Returns the text without control characters and without the quotes of names.
 fn printable(text: &str) -> String {
     let kept = text.chars().filter(|c| !c.is_control() && *c != '`');
     kept.collect()
@@ -172,7 +172,7 @@ fn unit(x: f64) -> i32 {
 }
 
 impl Canvas<'_> {
-    /// A polyline through points on the page.
+    /// Draws a polyline through points on the page.
     pub fn line(&mut self, points: &[(f64, f64)], stroke: Stroke) {
         let points = match points.len() {
             0..16 => whole(points),
@@ -190,7 +190,7 @@ impl Canvas<'_> {
         self.note(result);
     }
 
-    /// The parts of a polyline that lie in a rectangle of the page.
+    /// Draws the parts of a polyline inside a rectangle of the page.
     pub fn line_within(&mut self, points: &[(f64, f64)], frame: &Rect, stroke: Stroke) {
         let mut piece: Vec<(f64, f64)> = Vec::new();
         for pair in points.windows(2) {
@@ -219,7 +219,7 @@ impl Canvas<'_> {
         }
     }
 
-    /// A filled rectangle.
+    /// Fills a rectangle with a colour.
     pub fn fill(&mut self, r: &Rect, ink: Ink) {
         self.polygon(
             &[(r.x0, r.y0), (r.x1, r.y0), (r.x1, r.y1), (r.x0, r.y1)],
@@ -227,7 +227,7 @@ impl Canvas<'_> {
         );
     }
 
-    /// Many rectangles of one colour as one element, under all that is drawn otherwise, edge to edge.
+    /// Fills many rectangles of one colour as one element beneath all other drawings, without gaps.
     pub fn cells(&mut self, cells: &[Rect], Ink(r, g, b, _): Ink) {
         let mut path = String::new();
         for cell in cells {
@@ -242,7 +242,7 @@ impl Canvas<'_> {
         }
     }
 
-    /// The edge of a rectangle.
+    /// Draws the edge of a rectangle.
     pub fn frame(&mut self, r: &Rect, stroke: Stroke) {
         let corners = [
             (r.x0, r.y0),
@@ -254,13 +254,13 @@ impl Canvas<'_> {
         self.line(&corners, stroke);
     }
 
-    /// The ground on which failed runs stand.
+    /// Paints the background of the strip of failed runs.
     pub fn edge_of_failures(&mut self, r: &Rect) {
         self.fill(r, Ink::FAILED_GROUND);
         self.frame(r, Stroke::new(Ink::PALE, 1.0));
     }
 
-    /// Diagonal hatching of a rectangle.
+    /// Draws diagonal hatching in a rectangle.
     pub fn hatch(&mut self, r: &Rect, spacing: f64, stroke: Stroke) {
         let reach = r.height().abs();
         let mut x = r.x0 - reach + spacing * 0.5;
@@ -272,7 +272,7 @@ impl Canvas<'_> {
         }
     }
 
-    /// A circle, filled or as a ring.
+    /// Draws a circle, filled or as a ring.
     pub fn circle(&mut self, at: (f64, f64), radius: f64, ink: Ink, width: Option<f64>) {
         if !(at.0.is_finite() && at.1.is_finite()) {
             return;
@@ -286,7 +286,7 @@ impl Canvas<'_> {
         self.note(result);
     }
 
-    /// Text; control characters and the quotes of names are dropped.
+    /// Writes a text without control characters and without the quotes of names.
     pub fn text(&mut self, text: &str, at: (f64, f64), kind: Type) {
         let text = printable(text);
         if text.is_empty() || !(at.0.is_finite() && at.1.is_finite()) {
@@ -322,7 +322,7 @@ impl Canvas<'_> {
     }
 }
 
-/// Estimated width of text: fonts are the viewer's.
+/// Estimates the width of a text, since the viewer chooses the font.
 pub fn text_width(text: &str, size: f64) -> f64 {
     let em: f64 = text
         .chars()

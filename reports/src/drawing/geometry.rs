@@ -1,4 +1,4 @@
-//! Rectangles on the page or in data, and what of lines and polygons lies inside.
+//! Rectangles on the page or in data, and clipping of lines and polygons to them.
 
 /// A rectangle: left, top, right, bottom, on the page or in data (then top > bottom).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -13,15 +13,15 @@ impl Rect {
     pub fn new(x0: f64, y0: f64, x1: f64, y1: f64) -> Self {
         Self { x0, y0, x1, y1 }
     }
-    /// The square with a point in its middle.
+    /// Makes the square with a point in its middle.
     pub fn around((x, y): (f64, f64), half: f64) -> Self {
         Self::new(x - half, y - half, x + half, y + half)
     }
-    /// With so much more on every side.
+    /// Returns the rectangle enlarged by `by` on every side.
     pub fn grown(&self, by: f64) -> Self {
         Self::new(self.x0 - by, self.y0 - by, self.x1 + by, self.y1 + by)
     }
-    /// Half way down.
+    /// Returns the ordinate of the centre.
     pub fn middle(&self) -> f64 {
         0.5 * (self.y0 + self.y1)
     }
@@ -34,17 +34,17 @@ impl Rect {
     pub fn overlaps(&self, other: &Self) -> bool {
         self.x0 < other.x1 && other.x0 < self.x1 && self.y0 < other.y1 && other.y0 < self.y1
     }
-    /// Whether a point lies inside.
+    /// True if a point lies inside, edges included.
     pub fn holds(&self, (x, y): (f64, f64)) -> bool {
         (self.x0..=self.x1).contains(&x) && (self.y0..=self.y1).contains(&y)
     }
-    /// Whether the other lies inside.
+    /// True if the other rectangle lies inside, edges included.
     pub fn contains(&self, other: &Self) -> bool {
         self.x0 <= other.x0 && other.x1 <= self.x1 && self.y0 <= other.y0 && other.y1 <= self.y1
     }
 }
 
-/// The part of a segment inside a rectangle (Liang and Barsky, ACM Trans. Graphics 3, 1984).
+/// Returns the part of a segment inside a rectangle (Liang and Barsky, ACM Trans. Graphics 3, 1984).
 pub fn clip_segment(a: (f64, f64), b: (f64, f64), r: &Rect) -> Option<((f64, f64), (f64, f64))> {
     if ![a.0, a.1, b.0, b.1].iter().all(|x| x.is_finite()) {
         return None;
@@ -77,8 +77,8 @@ pub fn clip_segment(a: (f64, f64), b: (f64, f64), r: &Rect) -> Option<((f64, f64
     })
 }
 
-/// A polyline without the points that lie closer than `within` to what is left (Douglas and Peucker, Cartographica 10,
-/// 1973); first and last point stay.
+/// Simplifies a polyline (Douglas and Peucker, Cartographica 10, 1973): every point that is left out lies closer than
+/// `within` to the result; first and last point stay.
 pub fn simplified(points: &[(f64, f64)], within: f64) -> Vec<(f64, f64)> {
     if points.len() < 3 {
         return points.to_vec();
@@ -112,7 +112,7 @@ pub fn simplified(points: &[(f64, f64)], within: f64) -> Vec<(f64, f64)> {
     all.filter(|(_, kept)| *kept).map(|(p, _)| *p).collect()
 }
 
-/// A polygon cut to a rectangle (Sutherland and Hodgman, Comm. ACM 17, 1974).
+/// Returns a polygon cut to a rectangle (Sutherland and Hodgman, Comm. ACM 17, 1974).
 pub fn clip_polygon(points: &[(f64, f64)], r: &Rect) -> Vec<(f64, f64)> {
     type Point = (f64, f64);
     let mut polygon: Vec<Point> = points.to_vec();

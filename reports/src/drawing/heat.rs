@@ -1,5 +1,5 @@
-//! Heat maps: cells in colours that run evenly in lightness from dark to light (viridis, S. van der Walt and N. Smith, 2015), so
-//! that they are read without seeing colour, and the bar that says what they mean.
+//! Heat maps with their colour bar; the colours increase evenly in lightness (viridis, S. van der Walt and N. Smith,
+//! 2015), so that they can be read without colour vision.
 
 use super::axis::{Axis, Frame, NAME_SIZE, TICK_SIZE, tick_label};
 use super::canvas::{Anchor, Canvas, Ink, Stroke, Type};
@@ -21,7 +21,7 @@ const COLOURS: [[u8; 3]; 9] = [
 /// Colours of a map: enough that steps are not seen, few enough that neighbours are one cell.
 const LEVELS: usize = 40;
 
-/// Colour of a part of the greatest value.
+/// Returns the colour for a value, as a fraction of the greatest.
 pub fn colour(part: f64) -> Ink {
     let last = COLOURS.len() - 1;
     let x = if part.is_finite() {
@@ -38,12 +38,12 @@ pub fn colour(part: f64) -> Ink {
     Ink(mixed(0), mixed(1), mixed(2), 1.0)
 }
 
-/// Colour of a level.
+/// Returns the colour of a level.
 fn of_level(level: usize) -> Ink {
     colour(level as f64 / (LEVELS - 1) as f64)
 }
 
-/// Edges of cells around values: half way between neighbours.
+/// Returns the edges of the cells around values: midpoints between neighbours.
 fn edges(x: &[f64]) -> Vec<f64> {
     let n = x.len();
     if n < 2 {
@@ -108,7 +108,7 @@ impl HeatMap<'_> {
     }
 }
 
-/// The bar of a scale: colours, ticks at its right, name and unit above.
+/// Paints the bar of a scale: colours, ticks at its right, name and unit above.
 pub fn colour_bar(c: &mut Canvas<'_>, area: Rect, scale: &Axis, name: &str) {
     let frame = Frame {
         area,
@@ -145,7 +145,7 @@ mod tests {
     use super::*;
     use crate::drawing::canvas::draw;
 
-    /// A large value among small ones stands in its place in the lightest colour; equal neighbours are one cell.
+    /// A single large value has the lightest colour in its own place; equal neighbours are merged to one cell.
     #[test]
     fn a_cell_has_the_colour_of_its_value() {
         let scale = Axis::decades(1e-3, 1.0);

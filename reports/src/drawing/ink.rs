@@ -1,4 +1,4 @@
-//! Colours by day, and what they become on a dark page.
+//! Colours of charts on a light page, and their counterparts on a dark one.
 
 /// A colour with opacity.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -7,22 +7,22 @@ pub struct Ink(pub u8, pub u8, pub u8, pub f64);
 impl Ink {
     /// Nearly black: text, axes, references.
     pub const DARK: Self = Self(0x1b, 0x1f, 0x24, 1.0);
-    /// Secondary text.
+    /// Grey of secondary text.
     pub const GREY: Self = Self(0x57, 0x60, 0x6a, 1.0);
     /// Frames and failed bars.
     pub const PALE: Self = Self(0xa8, 0xb0, 0xb8, 1.0);
     pub const GRID: Self = Self(0xe4, 0xe7, 0xea, 1.0);
     pub const WHITE: Self = Self(0xff, 0xff, 0xff, 1.0);
     pub const FAIL: Self = Self(0x8c, 0x1d, 0x18, 1.0);
-    /// Ground on which failures stand.
+    /// Background of failed runs.
     pub const FAILED_GROUND: Self = Self(0xf7, 0xf3, 0xf2, 1.0);
     /// Text on coloured cells, by day and by night.
     pub const ON_CELL: Self = Self(0x14, 0x18, 0x1c, 1.0);
-    /// Bodies of two gears beside each other, and their edge.
+    /// Fill colours of two neighbouring gears, and the colour of their edge.
     pub const BODIES: [Self; 2] = [Self(0xdf, 0xe7, 0xef, 1.0), Self(0xf1, 0xea, 0xdf, 1.0)];
     pub const BODY_EDGE: Self = Self(0x4a, 0x55, 0x60, 1.0);
 
-    /// What these become on a dark page.
+    /// Pairs of colours on a light page and on a dark page.
     pub const NIGHT: [(Self, Self); 10] = [
         (Self::DARK, Self(0xe6, 0xe9, 0xec, 1.0)),
         (Self::GREY, Self(0xa7, 0xb0, 0xb9, 1.0)),
@@ -36,7 +36,7 @@ impl Ink {
         (Self::BODY_EDGE, Self(0x9a, 0xa6, 0xb2, 1.0)),
     ];
 
-    /// The same colour at another opacity.
+    /// Returns the same colour at another opacity, from 0 to 1.
     pub fn opacity(self, alpha: f64) -> Self {
         Self(self.0, self.1, self.2, alpha)
     }

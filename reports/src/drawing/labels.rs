@@ -1,28 +1,28 @@
-//! Names on a chart, where there is room: clear of points, of other names, and of lines.
+//! Placement of names on a chart: clear of points, of other names, and of lines.
 
 use super::canvas::{Anchor, Canvas, Ink, Stroke, Type, text_width};
 use super::geometry::{Rect, clip_segment};
 
 type Point = (f64, f64);
 
-/// How far from its point a name may stand.
+/// Largest distance of a name from its point.
 const REACH: f64 = 190.0;
-/// How much further off a name may stand for each pale marker that it does not cover.
+/// Extra distance of a name that is accepted for each pale marker that it then does not cover.
 const COVERED: f64 = 14.0;
 /// Between the lines of a leader and a name.
 const CLEAR: f64 = 1.5;
 
-/// The room for names in an area of the page: what is taken there already.
+/// Occupied rectangles and lines in an area of the page, for the placement of names.
 pub struct Room {
     area: Rect,
     boxes: Vec<Rect>,
-    /// What names keep clear of as long as there is room elsewhere.
+    /// Rectangles that names avoid as long as there is free space elsewhere.
     soft: Vec<Rect>,
     lines: Vec<(Point, Point)>,
 }
 
 impl Room {
-    /// An empty area.
+    /// Makes an area in which nothing is taken yet.
     pub fn of(area: Rect) -> Self {
         Self {
             area,
@@ -32,26 +32,26 @@ impl Room {
         }
     }
 
-    /// Takes a box.
+    /// Marks a rectangle as taken.
     pub fn keep(&mut self, taken: Rect) {
         self.boxes.push(taken);
     }
 
-    /// Takes the place of a marker.
+    /// Marks the rectangle of a marker as taken.
     pub fn keep_point(&mut self, at: Point, radius: f64) {
         if at.0.is_finite() && at.1.is_finite() {
             self.keep(Rect::around(at, radius));
         }
     }
 
-    /// Takes the place of a pale marker, which names cover where there is no other room.
+    /// Marks the rectangle of a pale marker, which names cover only where there is no other space.
     pub fn keep_pale(&mut self, at: Point, radius: f64) {
         if at.0.is_finite() && at.1.is_finite() {
             self.soft.push(Rect::around(at, radius));
         }
     }
 
-    /// Takes the place of a line through points.
+    /// Marks a line through points as taken.
     pub fn keep_line(&mut self, points: &[Point]) {
         let inside = points
             .windows(2)
@@ -59,7 +59,7 @@ impl Room {
         self.lines.extend(inside);
     }
 
-    /// Whether a name may stand here: inside, on no other, and on no line.
+    /// True if a name fits at `place`: inside the area, clear of all taken rectangles and of all lines.
     pub fn is_free(&self, place: &Rect) -> bool {
         let place = place.grown(CLEAR);
         self.area.contains(&place)
@@ -67,14 +67,14 @@ impl Room {
             && !(self.lines.iter()).any(|(a, b)| clip_segment(*a, *b, &place).is_some())
     }
 
-    /// Whether a leader may run here: through no box but that of its own point.
+    /// True if a leader from a point to its name crosses no taken rectangle but that of its own point.
     fn is_open(&self, from: Point, to: Point) -> bool {
         let own = |r: &Rect| r.contains(&Rect::around(from, 0.0));
         let mut boxes = self.boxes.iter().filter(|r| !own(r));
         !boxes.any(|r| clip_segment(from, to, r).is_some())
     }
 
-    /// Takes the free place for a text that is closest to its point; none when there is none within reach.
+    /// Reserves the free rectangle for a text that is closest to its point; `None` if there is none within reach.
     pub fn beside(&mut self, text: &str, size: f64, at: Point) -> Option<Rect> {
         if !(at.0.is_finite() && at.1.is_finite()) {
             return None;
@@ -96,7 +96,7 @@ impl Room {
         Some(place)
     }
 
-    /// Takes the free place for the name of a horizontal line, from the left, above the line before below it.
+    /// Reserves the free rectangle for the name of a horizontal line, from the left, above the line before below it.
     pub fn along(&mut self, text: &str, size: f64, y: f64) -> Option<Rect> {
         if !y.is_finite() {
             return None;
@@ -116,7 +116,7 @@ impl Room {
         Some(found)
     }
 
-    /// Writes a name beside its point, with a leader where it stands further off; whether there was room.
+    /// Writes a name next to its point, with a leader where it is further away; returns false if there was no space.
     pub fn write(&mut self, c: &mut Canvas<'_>, text: &str, at: Point, kind: Type) -> bool {
         let Some(place) = self.beside(text, kind.size, at) else {
             return false;
@@ -139,7 +139,7 @@ impl Room {
         true
     }
 
-    /// Writes the name of a horizontal line beside it.
+    /// Writes the name of a horizontal line next to it.
     pub fn write_along(&mut self, c: &mut Canvas<'_>, text: &str, y: f64, kind: Type) -> bool {
         let Some(place) = self.along(text, kind.size, y) else {
             return false;
@@ -157,14 +157,15 @@ impl Room {
     }
 }
 
-/// Where the leader of a name ends; none beside its point.
+/// Returns the end of the leader of a name; `None` if the name is next to its point.
 fn end_of_leader((x, y): Point, name: &Rect) -> Option<Point> {
     let foot = x.clamp(name.x0 + 1.0, name.x1 - 1.0);
     let near = y.clamp(name.y0, name.y1);
     ((foot - x).hypot(near - y) > 11.0).then_some((foot, near))
 }
 
-/// The places for a text around its point, each with how far off it is: beside it, above and below it, then wherever.
+/// Returns candidate rectangles for a text around its point with their distances: at its sides, above and below, then
+/// in a wider grid.
 fn places(width: f64, size: f64, (x, y): Point) -> Vec<(f64, Rect)> {
     let half = 0.57 * size;
     let boxed =

@@ -1,4 +1,4 @@
-//! Legends: entries side by side, in as many rows as they take.
+//! Legends of charts: entries in as few rows as the width allows.
 
 use super::axis::NAME_SIZE;
 use super::canvas::{Anchor, Canvas, Stroke, Type, text_width};
@@ -16,7 +16,7 @@ pub struct Entry {
 }
 
 impl Entry {
-    /// A line.
+    /// Makes an entry with a line sample and no marker.
     pub fn line(text: &str, stroke: Stroke) -> Self {
         Self {
             text: text.into(),
@@ -25,7 +25,7 @@ impl Entry {
         }
     }
 
-    /// A line that carries the markers of the model at a place, if it is one of a model.
+    /// Makes an entry with a line and the markers of its model, if it has one.
     pub fn history(text: &str, stroke: Stroke, style: Option<usize>) -> Self {
         Self {
             marker: style.map(|s| (look(s), true)),
@@ -33,7 +33,7 @@ impl Entry {
         }
     }
 
-    /// A line with markers.
+    /// Makes an entry with a line and markers.
     pub fn marked(text: &str, look: Look, filled: bool) -> Self {
         Self {
             marker: Some((look, filled)),
@@ -42,7 +42,7 @@ impl Entry {
     }
 }
 
-/// Left edge and row of every entry.
+/// Returns the left edge and row of every entry.
 fn places(legend: &[Entry]) -> Vec<(f64, usize)> {
     let widths = legend.iter().map(|e| 62.0 + text_width(&e.text, NAME_SIZE));
     in_rows(widths, LEFT, WIDTH - RIGHT)
@@ -65,7 +65,7 @@ pub fn paint_legend(c: &mut Canvas<'_>, legend: &[Entry]) {
     }
 }
 
-/// Things of some widths side by side in rows: left edge and row of each.
+/// Places boxes of given widths in rows and returns left edge and row of each.
 pub fn in_rows(widths: impl Iterator<Item = f64>, left: f64, right: f64) -> Vec<(f64, usize)> {
     let (mut x, mut row) = (left, 0);
     let place = |width: f64| {

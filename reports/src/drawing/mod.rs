@@ -3,15 +3,15 @@
 //! Every model has one colour, dash pattern and marker in all charts; a reference is the
 //! thick dark line. Axes carry units; long histories are decimated so that peaks stay.
 //!
-//! plotters writes the SVG ([`canvas`]); axes, legends and dashes are laid out here. Its `ChartBuilder` was tried on the
-//! chart of errors over mode counts (two panels, both axes logarithmic, 0.3.7): `with_key_points` takes ticks at 1, 2, 5
-//! and units stand on the axes, but the ticks are ours again ([`axis::Axis::ticks`]), linear and logarithmic axes are
-//! different types (four pairs of them, or a coordinate of our own), and what it would replace is `axis::Frame`, 60 lines
-//! for some 45 of configuration. What looked worse: its legend is one column inside the plot, over the data; names of
-//! ordinates are cut at the edge; panels that share an axis get unequal plots; `DashedLineSeries` has one length of dash
-//! and gap, no dash-dot, and writes every dash as an element (709 elements for two curves, 285 here for four with
-//! markers, failures and marks). Strips of failed runs and names that keep clear of points need the places of things
-//! on the page, which it keeps to itself.
+//! plotters writes the SVG ([`canvas`]); this module lays out axes, legends and dashes. The `ChartBuilder` of plotters
+//! 0.3.7 was tried on the chart of errors over mode counts (two panels, both axes logarithmic) and rejected. It accepts
+//! ticks at 1, 2, 5 (`with_key_points`), but they must come from [`axis::Axis::ticks`] all the same. Linear and
+//! logarithmic axes are different types (four pairs of them, or a coordinate type of our own). It would replace
+//! `axis::Frame`, 60 lines, by 45 lines of configuration. Its legend is one column inside the plot, over the data; it
+//! cuts names of ordinates at the edge; panels with a common axis have plots of unequal size; `DashedLineSeries` has
+//! one length of dash and gap, no dash-dot, and writes every dash as an element (709 elements for two curves, compared
+//! with 285 here for four with markers, failures and marks). Strips of failed runs and the placement of names need
+//! positions on the page, which it does not expose.
 
 pub mod axis;
 pub mod canvas;
@@ -26,15 +26,15 @@ pub mod style;
 
 pub use canvas::DrawError;
 
-/// One chart.
+/// A chart as an SVG document with its file name and texts.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Chart {
-    /// File name.
+    /// Name of the SVG file.
     pub file: String,
-    /// Heading.
+    /// Heading of the chart.
     pub title: String,
-    /// How to read it, in plain text.
+    /// Caption in plain text: how to read the chart.
     pub caption: String,
-    /// The SVG document.
+    /// Text of the SVG document.
     pub svg: String,
 }

@@ -1,4 +1,4 @@
-//! Panels of curves, one above the other under one legend: lines, points, limits, marks and failures.
+//! Panels of curves under one legend: lines, points, limits, marks and failures.
 
 use super::Chart;
 use super::axis::{Axis, Frame, TICK_SIZE, tick_label};
@@ -15,14 +15,14 @@ pub const WIDTH: f64 = 860.0;
 pub const LEFT: f64 = 78.0;
 /// Space at the right.
 pub const RIGHT: f64 = 16.0;
-/// Height of the strip above a panel in which failures stand.
+/// Height of the strip of failed runs above a panel.
 const STRIP: f64 = 22.0;
 /// Between panels, and below one with names under its abscissa.
 const GAP: f64 = 14.0;
 const NAMES: f64 = 52.0;
 /// Extremes of a long history are kept in so many parts of a panel.
 const BUCKETS: usize = 700;
-/// A line without points of its own carries the marker of its model at about this distance, and models take turns.
+/// Approximate distance between the markers of its model on a line without points of its own; models alternate.
 const SPACING: f64 = 150.0;
 /// Height of the line of text above a panel.
 const ABOVE: f64 = 17.0;
@@ -30,9 +30,9 @@ const ABOVE: f64 = 17.0;
 /// Points of one variant, and the line through them.
 #[derive(Clone, Debug)]
 pub struct Curve {
-    /// The line; none leaves the points alone.
+    /// Stroke of the line; `None` draws the points alone.
     pub stroke: Option<Stroke>,
-    /// Look, radius and filling of the markers; none leaves the line alone.
+    /// Look, radius and filling of the markers; `None` draws the line alone.
     pub marker: Option<(Look, f64, bool)>,
     /// Points, ascending in the abscissa.
     pub points: Vec<(f64, f64)>,
@@ -40,12 +40,12 @@ pub struct Curve {
     pub failed: Vec<f64>,
     /// Colour of their crosses.
     pub ink: Ink,
-    /// Place of the model whose markers stand along the line.
+    /// Index of the model whose markers are drawn along the line.
     pub along: Option<usize>,
 }
 
 impl Curve {
-    /// A line.
+    /// Makes a curve that is a line without markers.
     pub fn line(stroke: Stroke, points: Vec<(f64, f64)>) -> Self {
         Self {
             stroke: Some(stroke),
@@ -57,7 +57,7 @@ impl Curve {
         }
     }
 
-    /// Markers of a radius.
+    /// Makes a curve of markers without a line.
     pub fn points(look: Look, radius: f64, filled: bool, points: Vec<(f64, f64)>) -> Self {
         Self {
             stroke: None,
@@ -69,7 +69,7 @@ impl Curve {
         }
     }
 
-    /// Markers joined by a line in the look of their variant.
+    /// Makes a curve of markers joined by a line in the look of their variant.
     pub fn joined(look: Look, width: f64, radius: f64, points: Vec<(f64, f64)>) -> Self {
         Self {
             stroke: Some(Stroke::dashed(look.ink, width, look.dash)),
@@ -77,7 +77,7 @@ impl Curve {
         }
     }
 
-    /// With the marker of the model at a place along the line.
+    /// Adds the markers of a model along the line.
     pub fn along(self, style: Option<usize>) -> Self {
         Self {
             along: style,
@@ -85,12 +85,12 @@ impl Curve {
         }
     }
 
-    /// With runs that failed.
+    /// Adds the abscissae of runs that failed.
     pub fn failed(self, failed: Vec<f64>) -> Self {
         Self { failed, ..self }
     }
 
-    /// A history in a window of its abscissa, thinned so that peaks stay.
+    /// Makes a history in a window of its abscissa, thinned without losing its extrema.
     pub fn history(stroke: Stroke, window: &Axis, x: &[f64], y: &[f64]) -> Self {
         let n = x.len().min(y.len());
         let start = x[..n]
@@ -112,11 +112,11 @@ pub struct Panel {
     /// Height of the plot.
     pub height: f64,
     pub x: Axis,
-    /// Its ticks; empty takes those of the axis.
+    /// Ticks of the abscissa; empty for those of the axis.
     pub x_ticks: Vec<(f64, String)>,
-    /// Its name, when this panel shows it.
+    /// Name of the abscissa, if this panel shows it.
     pub x_name: Option<String>,
-    /// Ordinate; taken from the points when absent.
+    /// Axis of the ordinate; `None` for a range around the points.
     pub y: Option<Axis>,
     /// Name and unit of the ordinate.
     pub y_name: String,
@@ -130,12 +130,12 @@ pub struct Panel {
     pub verticals: Vec<(f64, String)>,
     /// Ranges of the abscissa that are tinted.
     pub bands: Vec<([f64; 2], Ink)>,
-    /// Points with names.
+    /// Points that are marked with a name.
     pub marks: Vec<((f64, f64), String)>,
 }
 
 impl Panel {
-    /// A panel without curves.
+    /// Makes a panel without curves.
     pub fn new(height: f64, x: &Axis, y_name: &str) -> Self {
         Self {
             height,
@@ -168,7 +168,7 @@ impl Panel {
         if failed { STRIP } else { 0.0 }
     }
 
-    /// Height of the heading and of the names of vertical lines.
+    /// Returns the height of the heading and of the names of vertical lines.
     fn above(&self) -> f64 {
         let named = self.verticals.iter().any(|v| !v.1.is_empty());
         ABOVE * (usize::from(named) + usize::from(!self.remark.is_empty())) as f64
@@ -179,7 +179,7 @@ impl Panel {
         self.above() + self.strip() + self.height + below
     }
 
-    /// Least and greatest finite ordinate of all points.
+    /// Returns least and greatest finite ordinate of all points.
     pub fn ordinates(&self) -> (f64, f64) {
         let values = self
             .curves
@@ -188,14 +188,14 @@ impl Panel {
         extremes(values)
     }
 
-    /// With an ordinate close around all points.
+    /// Sets the ordinate to the range of all points.
     pub fn close(mut self) -> Self {
         let (low, high) = self.ordinates();
         self.y = Some(Axis::padded(low, high, 0.07));
         self
     }
 
-    /// A range of all points and limits; logarithmic when it spans more than a decade.
+    /// Returns an axis over all points and limits, logarithmic when they span more than a decade.
     fn range(&self) -> Axis {
         let (a, b) = self.ordinates();
         let (low, high) = extremes(self.limits.iter().map(|l| l.0).chain([a, b]));
@@ -288,7 +288,7 @@ impl Panel {
         }
     }
 
-    /// Vertical lines; names that would overlap the one before are left out.
+    /// Paints vertical lines; a name that would overlap the one before it is left out.
     fn paint_verticals(&self, c: &mut Canvas<'_>, frame: &Frame, y: f64, room: &mut Room) {
         let area = frame.area;
         let mut free = f64::NEG_INFINITY;
@@ -310,7 +310,7 @@ impl Panel {
         }
     }
 
-    /// The strip above a panel with a cross for every failed run.
+    /// Paints the strip above a panel with a cross for every failed run.
     fn paint_failures(&self, c: &mut Canvas<'_>, frame: &Frame) {
         let area = frame.area;
         let strip = Rect::new(area.x0, area.y0 - STRIP, area.x1, area.y0 - 4.0);
@@ -326,14 +326,14 @@ impl Panel {
     }
 }
 
-/// Least and greatest finite value.
+/// Returns least and greatest finite value.
 pub fn extremes(values: impl Iterator<Item = f64>) -> (f64, f64) {
     let ends = (f64::INFINITY, f64::NEG_INFINITY);
     let finite = values.filter(|x| x.is_finite());
     finite.fold(ends, |(low, high), x| (low.min(x), high.max(x)))
 }
 
-/// The point of a line at an abscissa of the page.
+/// Returns the point of a line at an abscissa of the page.
 fn at_abscissa(points: &[(f64, f64)], x: f64) -> Option<(f64, f64)> {
     let pair = points.windows(2).find(|p| p[0].0 <= x && x <= p[1].0)?;
     let [(x0, y0), (x1, y1)] = [pair[0], pair[1]];
@@ -341,7 +341,7 @@ fn at_abscissa(points: &[(f64, f64)], x: f64) -> Option<(f64, f64)> {
     Some((x, y0 + part * (y1 - y0)))
 }
 
-/// A chart of panels under one legend.
+/// Draws a chart of panels under one legend.
 pub fn chart(
     file: &str,
     title: impl Into<String>,

@@ -1,5 +1,5 @@
-//! What charts of error against cost share: the key of models, integrators by number, the edge of failures, the line of
-//! the tolerance.
+//! Common parts of charts of error over cost: key of models, numbers of integrators, strip of failed runs, line of the
+//! tolerance.
 
 use super::axis::{Frame, NAME_SIZE, TICK_SIZE};
 use super::canvas::{Anchor, Canvas, Ink, Stroke, Type, text_width};
@@ -9,11 +9,11 @@ use super::legend::in_rows;
 use super::panel::{LEFT, RIGHT, WIDTH};
 use super::style::{cross, look, marker};
 
-/// Failures that are named.
+/// Largest number of failed runs that the strip names.
 const NAMED: usize = 6;
 const ROW: f64 = 18.0;
 
-/// Rows of the key of models, with what filling means.
+/// Returns left edge and row of the entries of the key: models, then the meaning of filled markers.
 fn key_places(names: &[(&str, usize)]) -> Vec<(f64, usize)> {
     let widths = names.iter().map(|n| 38.0 + text_width(n.0, NAME_SIZE));
     in_rows(
@@ -23,15 +23,16 @@ fn key_places(names: &[(&str, usize)]) -> Vec<(f64, usize)> {
     )
 }
 
-/// What filling says, in every chart of runs.
+/// Legend text for filled and open markers in every chart of runs.
 const FILLING: &str = "filled: explicit, open: implicit";
 
-/// Height of [`key`].
+/// Returns the height of [`key`].
 pub fn key_height(names: &[(&str, usize)]) -> f64 {
     8.0 + 20.0 * (key_places(names).last().map_or(0, |p| p.1) + 1) as f64
 }
 
-/// Models by colour and marker, in the order of their styles; `methods` adds what filling says of integrators.
+/// Paints the key of models by colour and marker, in the order of their styles; `methods` adds the meaning of filled
+/// markers.
 pub fn key(c: &mut Canvas<'_>, names: &[(&str, usize)], methods: bool) {
     let places = key_places(names);
     for ((name, style), (x, row)) in names.iter().zip(&places) {
@@ -61,7 +62,7 @@ impl<'a> Numbers<'a> {
         Self { names: all }
     }
 
-    /// The number of an integrator.
+    /// Returns the number of an integrator.
     pub fn text(&self, name: &str) -> String {
         let place = self.names.iter().position(|n| *n == name);
         place.map_or_else(String::new, |i| (i + 1).to_string())
@@ -72,7 +73,7 @@ impl<'a> Numbers<'a> {
         in_rows(widths, LEFT, WIDTH - RIGHT)
     }
 
-    /// Height of the key below a plot.
+    /// Returns the height of the key below a plot.
     pub fn height(&self) -> f64 {
         8.0 + ROW * self.places().last().map_or(0, |p| p.1 + 1) as f64
     }
@@ -89,7 +90,7 @@ impl<'a> Numbers<'a> {
     }
 }
 
-/// Height of the edge of so many failures.
+/// Returns the height of the strip for a number of failed runs.
 pub fn failures_height(failed: usize) -> f64 {
     match failed {
         0 => 0.0,
@@ -97,7 +98,8 @@ pub fn failures_height(failed: usize) -> f64 {
     }
 }
 
-/// Failed runs with their colours, on an edge of their own that ends above `bottom`; `rest` says where the others stand.
+/// Paints failed runs with their colours in a strip that ends above `bottom`; `rest` names the place of those that do
+/// not fit.
 pub fn failures(c: &mut Canvas<'_>, failed: &[(Ink, String)], bottom: f64, rest: &str) {
     if failed.is_empty() {
         return;
@@ -122,7 +124,7 @@ pub fn failures(c: &mut Canvas<'_>, failed: &[(Ink, String)], bottom: f64, rest:
     }
 }
 
-/// The line of a tolerance; [`Room::write_along`] names it when all points are there.
+/// Draws the line of a tolerance and returns its ordinate; [`Room::write_along`] names it when all points are placed.
 pub fn tolerance(c: &mut Canvas<'_>, frame: &Frame, limit: f64, room: &mut Room) -> f64 {
     let (x, y) = frame.at(frame.x.max, limit);
     let line = [(frame.area.x0, y), (x, y)];

@@ -1,14 +1,14 @@
 //! Colours, dashes and markers: one set per model, distinguishable without colour.
 //!
-//! One convention holds in all charts of all studies: a model is its colour with its marker, on lines its dash pattern
-//! with its marker; filled markers are explicit integrators, open ones implicit; integrators are named, or numbered
-//! with a key below ([`super::scatter::Numbers`]). Colours after M. Okabe and K. Ito, Color Universal Design (2008), in an
-//! order of falling distance in lightness, so that neighbours also part in black and white.
+//! All charts of all studies have one convention: a model has its colour and marker, and on lines its dash pattern.
+//! Filled markers are explicit integrators, open ones implicit; integrators are named, or numbered with a key below
+//! ([`super::scatter::Numbers`]). The colours follow M. Okabe and K. Ito, Color Universal Design (2008), in an order of
+//! falling distance in lightness, so that neighbours also differ in black and white.
 
 use super::canvas::{Canvas, Ink, Stroke};
 use maud::{Markup, html};
 
-/// Look of one model.
+/// Colour, dash pattern and marker of one model.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Look {
     pub ink: Ink,
@@ -23,7 +23,7 @@ pub enum Marker {
     Square,
     Triangle,
     Diamond,
-    /// Triangle, point down.
+    /// Triangle with its point down.
     Wedge,
     /// Star of five points.
     Star,
@@ -33,7 +33,7 @@ pub enum Marker {
     Hourglass,
 }
 
-/// Colours, and what they become on a dark page.
+/// Colours of models on a light page, each with its counterpart on a dark one.
 const INKS: [(Ink, Ink); 8] = [
     (Ink(0xd5, 0x5e, 0x00, 1.0), Ink(0xf0, 0x88, 0x3e, 1.0)),
     (Ink(0x00, 0x72, 0xb2, 1.0), Ink(0x58, 0xa6, 0xe8, 1.0)),
@@ -55,7 +55,7 @@ const SHAPES: [(Marker, &[f64]); 8] = [
     (Marker::Hourglass, &[14.0, 3.0, 5.0, 3.0]),
 ];
 
-/// The look of the model with this place in the order of appearance: the first 64 differ.
+/// Returns the look of the model with this place in the order of appearance; the first 64 differ.
 pub fn look(style: usize) -> Look {
     let n = SHAPES.len();
     let (marker, dash) = SHAPES[style % n];
@@ -66,7 +66,8 @@ pub fn look(style: usize) -> Look {
     }
 }
 
-/// Rules that turn the inks of charts for a dark page: charts write their colours as attributes, which rules override.
+/// Returns the CSS rules that replace the colours of charts on a dark page: charts write colours as attributes, which
+/// rules override.
 pub fn night() -> String {
     let hex = |Ink(r, g, b, _): Ink| format!("#{r:02X}{g:02X}{b:02X}");
     let pairs = INKS.iter().chain(&Ink::NIGHT);
@@ -78,7 +79,7 @@ pub fn night() -> String {
         .collect()
 }
 
-/// The mark of a model, for HTML.
+/// Renders the marker of a model for HTML.
 pub fn mark(style: usize) -> Markup {
     let look = look(style);
     let Ink(r, g, b, _) = look.ink;
@@ -99,12 +100,12 @@ pub fn mark(style: usize) -> Markup {
     }
 }
 
-/// The stroke of a reference: thick, dark, full.
+/// Returns the stroke of a reference: thick, dark, solid.
 pub fn reference_stroke() -> Stroke {
     Stroke::new(Ink::DARK.opacity(0.82), 3.2)
 }
 
-/// The look of measured points.
+/// Returns the look of measured points.
 pub fn reference_look() -> Look {
     Look {
         ink: Ink::DARK,
@@ -113,13 +114,13 @@ pub fn reference_look() -> Look {
     }
 }
 
-/// The stroke of a model.
+/// Returns the stroke of a model.
 pub fn model_stroke(style: usize) -> Stroke {
     let look = look(style);
     Stroke::dashed(look.ink, 1.9, look.dash)
 }
 
-/// Corners of a marker; of a circle none.
+/// Returns the corners of a marker; empty for a circle.
 fn outline(marker: Marker, (x, y): (f64, f64), r: f64) -> Vec<(f64, f64)> {
     let at = |corners: &[(f64, f64)]| {
         let placed = corners.iter().map(|(a, b)| (x + a * r, y + b * r));
@@ -196,8 +197,8 @@ pub fn cross(c: &mut Canvas<'_>, at: (f64, f64), r: f64, ink: Ink) {
 mod tests {
     use super::*;
 
-    /// Any two models that a chart can show together differ in marker and in dash, whatever their colours; with more
-    /// models than markers no two share both.
+    /// Any two models of a chart differ in marker and in dash, whatever their colours; with more models than markers no
+    /// two share both.
     #[test]
     fn models_differ_in_shape() {
         for a in 0..8 {

@@ -1,22 +1,22 @@
-//! Columns of tables: what they are for, and how wide they are on the page.
+//! Columns of the tables of a page: their rank, and their width.
 
 use crate::drawing::canvas::text_width;
 
 /// Width of the text of a page on a screen, and of a table in print at its smaller type \[px\].
 pub const PAGE: f64 = 918.0;
-/// Size of the type of tables, and what stands between columns \[px\].
+/// Font size of tables, and space between columns \[px\].
 const SIZE: f64 = 12.5;
 const BETWEEN: f64 = 12.0;
 /// Text wraps beyond this \[px\].
 const WRAP: f64 = 150.0;
-/// What a column is for.
+/// Rank of a column, by which it is kept in the table at a glance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Rank {
-    /// Says which row it is.
+    /// The column identifies the row.
     Key,
-    /// Answers the question of the table.
+    /// The column contains the result of the table.
     Result,
-    /// All else.
+    /// Further information, dropped first where the page is too narrow.
     Detail,
 }
 
@@ -30,13 +30,13 @@ pub struct Column {
 }
 
 impl Column {
-    /// Whether its text is too long for a line.
+    /// True if a cell holds a text that is too long for one line.
     pub fn wraps(&self) -> bool {
         let long = |t: &String| text_width(t, SIZE) > WRAP;
         self.text && self.cells.iter().flatten().any(long)
     }
 
-    /// Width on the page; text wraps, and headings at their spaces \[px\].
+    /// Returns the width on the page \[px\]; text and headings wrap at their spaces.
     pub fn width(&self) -> f64 {
         let cells = self.cells.iter().flatten();
         let widest = cells.map(|t| text_width(t, SIZE)).fold(0.0, f64::max);
@@ -49,7 +49,7 @@ impl Column {
     }
 }
 
-/// Width of columns beside each other \[px\].
+/// Returns the width of adjacent columns \[px\].
 pub fn width(columns: &[&Column]) -> f64 {
     columns.iter().map(|c| c.width()).sum()
 }

@@ -1,7 +1,7 @@
-//! The report: one HTML page with everything inside, for the screen offline and for paper.
+//! The report: one self-contained HTML page, for the screen offline and for paper.
 //!
-//! No script, no font, no request: style and charts are in the page. Every text that came from data is escaped by
-//! `maud`; only the charts, which are SVG already, go in as they are.
+//! The page has no script, font or request: style and charts are in the page. `maud` escapes every text from data; only
+//! the charts, which are SVG already, are inserted unchanged.
 
 mod column;
 pub mod runs;
@@ -17,28 +17,28 @@ use maud::{DOCTYPE, Markup, PreEscaped, Render, html};
 
 const STYLE: &str = include_str!("style.css");
 
-/// A section under a heading.
+/// Renders a section under a heading.
 pub fn section(heading: &str, content: impl Render) -> Markup {
     html! { section { h2 { (heading) } (content) } }
 }
 
-/// A section that a reader in a hurry looks at.
+/// Renders a section that belongs to the short version of the page.
 pub fn glance(heading: &str, content: impl Render) -> Markup {
     html! { section.glance { h2 { (heading) } (content) } }
 }
 
-/// What to know of a table.
+/// Renders a note below a table.
 pub fn note(text: impl Render) -> Markup {
     html! { p.note { (text) } }
 }
 
-/// Sentences one after another.
+/// Renders sentences in sequence.
 fn sentences(all: &[Markup]) -> Markup {
     let all: Vec<&str> = all.iter().map(|m| m.0.as_str()).collect();
     PreEscaped(all.join(" "))
 }
 
-/// The text of a sentence of a page, without its elements.
+/// Returns the text of a sentence of a page, without its elements.
 pub fn text(markup: &Markup) -> String {
     let mut plain = String::with_capacity(markup.0.len());
     let mut inside = false;
@@ -61,7 +61,7 @@ pub fn text(markup: &Markup) -> String {
         .fold(plain, |text, (entity, sign)| text.replace(entity, sign))
 }
 
-/// Text of a record in plain words: metrics by their names, other names of the format as code.
+/// Renders a text of a record in plain words: metrics by their names, other names of the format as code.
 pub fn prose(text: &str) -> Markup {
     // A key that is a word of its own, quoted or not, is a metric.
     let mut text = text.to_owned();
@@ -75,7 +75,7 @@ pub fn prose(text: &str) -> Markup {
     html! { @for (i, part) in parts { @if i % 2 == 1 { code { (part) } } @else { (part) } } }
 }
 
-/// How many runs of a record failed, for the end of a sentence.
+/// Returns the clause on the number of failed runs of a record, for the end of a sentence.
 pub fn failed_of(results: &Results) -> String {
     let failed = results.runs.iter().filter(|r| r.status.is_failure());
     match (failed.count(), results.runs.len()) {
@@ -87,7 +87,7 @@ pub fn failed_of(results: &Results) -> String {
     }
 }
 
-/// How many runs failed, and how many of the others are inaccurate.
+/// Returns the clause on the numbers of failed and of inaccurate runs.
 pub fn short_of(results: &Results) -> String {
     let inaccurate = |r: &&Run| r.status == Status::Inaccurate;
     match results.runs.iter().filter(inaccurate).count() {
@@ -96,7 +96,7 @@ pub fn short_of(results: &Results) -> String {
     }
 }
 
-/// The page of a record with what its study says.
+/// Returns the HTML page of a record with the report of its study.
 pub fn page(results: &Results, report: &StudyReport) -> String {
     let name = if results.header.title.is_empty() {
         &results.header.scene
@@ -160,14 +160,14 @@ pub fn page(results: &Results, report: &StudyReport) -> String {
         .collect()
 }
 
-/// The setting that says what a model is: its key has the model's label as scenes write it.
+/// Returns the setting that describes a model: its key contains the model's label as scenes write it.
 fn setting_of<'r>(results: &'r Results, label: &str) -> Option<(&'r String, &'r String)> {
     let key = format!("model {}", label.replace(", ", "-"));
     let found = results.settings.iter().find(|(k, _)| *k == key);
     found.map(|(k, v)| (k, v))
 }
 
-/// What the models of the tables and charts are.
+/// Renders the list of the models of tables and charts, each with its settings; empty where the record has none.
 fn models(view: &View<'_>) -> Markup {
     let known = |g: &Group<'_>| setting_of(view.results, &g.label).is_some();
     let groups: Vec<&Group<'_>> = view.groups.iter().filter(|g| known(g)).collect();
@@ -185,7 +185,7 @@ fn models(view: &View<'_>) -> Markup {
     section("What the models are", list)
 }
 
-/// Settings, references, machine, version, and how to make the report again.
+/// Renders settings, references, machine and version, and the command that makes the report again.
 fn setting(view: &View<'_>) -> Markup {
     let r = view.results;
     let list = |pairs: &[(&str, &str)]| {

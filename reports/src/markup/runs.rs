@@ -11,12 +11,12 @@ use maud::{Markup, html};
 /// A run with the label and the place of its model.
 type Row<'a> = (&'a Run, &'a str, usize);
 
-/// Metrics, work, ledger and failures.
+/// Renders the tables of metrics, work, ledger and failures.
 pub fn all(view: &View<'_>) -> Markup {
     html! { (metrics(view)) (work(view)) (ledger(view)) (failures(view)) }
 }
 
-/// All runs in the order of the groups.
+/// Returns all runs in the order of the groups.
 pub fn rows<'v>(view: &'v View<'_>) -> Vec<Row<'v>> {
     let groups = view.groups.iter();
     groups
@@ -24,7 +24,7 @@ pub fn rows<'v>(view: &'v View<'_>) -> Vec<Row<'v>> {
         .collect()
 }
 
-/// How a run is shown.
+/// Returns the CSS class of a run's row.
 pub fn class(run: &Run) -> &'static str {
     match run.status {
         Status::Converged | Status::Unchecked => "",
@@ -33,12 +33,12 @@ pub fn class(run: &Run) -> &'static str {
     }
 }
 
-/// A number of modes.
+/// Returns the number of modes of a run as a text.
 pub fn modes(run: &Run) -> Option<String> {
     run.modes.map(|n| n.to_string())
 }
 
-/// A table of runs by model that begins with what tells them apart.
+/// Returns a table of runs by model whose first columns identify the run.
 fn identified<'r>(rows: &'r [Row<'r>]) -> Table<'r, Row<'r>> {
     Table::of(rows)
         .grouped(|(_, label, style)| ((*label).into(), *style))
@@ -51,7 +51,7 @@ fn identified<'r>(rows: &'r [Row<'r>]) -> Table<'r, Row<'r>> {
         .text("Status", |(r, ..)| r.status.to_string())
 }
 
-/// Metrics against every reference.
+/// Renders the table of metrics against every reference.
 fn metrics(view: &View<'_>) -> Markup {
     let rows = rows(view);
     let mut ids: Vec<&str> = Vec::new();
@@ -124,7 +124,7 @@ fn metrics(view: &View<'_>) -> Markup {
     }
 }
 
-/// What the runs cost.
+/// Returns the table with the cost of the runs: times, steps, evaluations.
 fn work(view: &View<'_>) -> Markup {
     let rows = rows(view);
     if rows.is_empty() {
@@ -168,7 +168,7 @@ fn work(view: &View<'_>) -> Markup {
     section("Work", html! { (table) (note(remark)) })
 }
 
-/// Energy and impulse ledger.
+/// Renders the table of the energy and impulse ledger.
 fn ledger(view: &View<'_>) -> Markup {
     let rows = rows(view);
     if rows.iter().all(|(r, ..)| r.ledger == Ledger::default()) {
@@ -200,7 +200,7 @@ fn ledger(view: &View<'_>) -> Markup {
     section("Energy and impulse ledger", html! { (table) (remark) })
 }
 
-/// Every run that fell short, with the reason.
+/// Renders the table of failed and inaccurate runs with their reasons.
 pub fn failures(view: &View<'_>) -> Markup {
     let mut short = rows(view);
     // What the tolerance of the scene did not judge has not passed it.

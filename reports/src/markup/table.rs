@@ -1,8 +1,8 @@
 //! Tables of the report: right-aligned numbers, rows grouped by model, empty columns dropped, none wider than the page.
 //!
-//! The columns that say which row it is ([`Rank::Key`]) and those that answer the question of the table
-//! ([`Rank::Result`]) are always in the table at a glance. The others follow there as far as they fit the page; what is
-//! left stands below, under the same keys. On a narrow screen every row is a card with the headings beside its numbers.
+//! The table at a glance always has the columns that identify a row ([`Rank::Key`]) and those with the result
+//! ([`Rank::Result`]), and as many others as fit the page. The remaining columns are in a second table below, with the
+//! same keys. On a narrow screen every row is a card with the headings next to its numbers.
 
 use super::column::{Column, PAGE, Rank, width};
 use super::prose;
@@ -19,13 +19,13 @@ pub struct Table<'r, R> {
     classes: Vec<&'static str>,
 }
 
-/// Rows from which on a table opens on demand: the page is to be read, the CSV holds the data.
+/// Number of rows from which on a table is folded; all data are in the CSV files.
 const LONG: usize = 60;
-/// Part of the largest magnitude of a column below which a number of it is rounding.
+/// Fraction of the largest magnitude of a column below which a number is rounding error.
 const NOTHING: f64 = 1e-9;
 
 impl<'r, R> Table<'r, R> {
-    /// A table of some rows without columns.
+    /// Makes a table of some rows without columns.
     pub fn of(rows: &'r [R]) -> Self {
         Self {
             rows,
@@ -35,13 +35,13 @@ impl<'r, R> Table<'r, R> {
         }
     }
 
-    /// Neighbours of one label stand under it as a heading, beside the colour of that place.
+    /// Groups adjacent rows of one label under a heading with the colour of its style.
     pub fn grouped(mut self, group: impl Fn(&R) -> (String, usize)) -> Self {
         self.groups = self.rows.iter().map(|r| Some(group(r))).collect();
         self
     }
 
-    /// Classes of rows.
+    /// Sets the CSS class of each row.
     pub fn classed(mut self, class: impl Fn(&R) -> &'static str) -> Self {
         self.classes = self.rows.iter().map(class).collect();
         self
@@ -70,12 +70,12 @@ impl<'r, R> Table<'r, R> {
         self
     }
 
-    /// The last column says which row it is.
+    /// Ranks the last column as one that identifies the row.
     pub fn key(self) -> Self {
         self.ranked(Rank::Key)
     }
 
-    /// The last column answers the question of the table.
+    /// Ranks the last column as the result of the table.
     pub fn result(self) -> Self {
         self.ranked(Rank::Result)
     }
@@ -90,13 +90,13 @@ impl<'r, R> Table<'r, R> {
         self.rows.iter().map(finite).collect()
     }
 
-    /// Text, left-aligned; nothing where it is empty.
+    /// Adds a column of left-aligned text; cells of empty text stay empty.
     pub fn text<T: Into<Option<String>>>(self, heading: &str, cell: impl Fn(&R) -> T) -> Self {
         let cells = self.cells(cell);
         self.column(heading, "", true, cells)
     }
 
-    /// Numbers already written.
+    /// Adds a column of numbers that are already formatted.
     pub fn written<T: Into<Option<String>>>(
         self,
         heading: &str,
@@ -107,8 +107,8 @@ impl<'r, R> Table<'r, R> {
         self.column(heading, unit, false, cells)
     }
 
-    /// Numbers in SI units: one prefix for the column, by its typical magnitude. Without a unit
-    /// the numbers stay as they are.
+    /// Adds a column of numbers in SI units with one prefix by their typical magnitude. Without a unit the numbers have
+    /// no prefix.
     pub fn numbers<T: Into<Option<f64>>>(
         self,
         heading: &str,
@@ -134,7 +134,7 @@ impl<'r, R> Table<'r, R> {
         self.column(heading, &unit, false, cells)
     }
 
-    /// Spans from least to greatest, with one prefix for the column.
+    /// Adds a column of ranges from least to greatest value, with one prefix.
     pub fn ranges(
         self,
         heading: &str,
@@ -154,7 +154,7 @@ impl<'r, R> Table<'r, R> {
         self.column(heading, &unit, false, cells)
     }
 
-    /// Residuals, always as powers of ten.
+    /// Adds a column of residuals, always as powers of ten.
     pub fn powers<T: Into<Option<f64>>>(
         self,
         heading: &str,
@@ -173,7 +173,7 @@ impl<'r, R> Table<'r, R> {
         self.column(heading, unit, false, cells)
     }
 
-    /// Ratios in per cent.
+    /// Adds a column of ratios in per cent.
     pub fn percents<T: Into<Option<f64>>>(
         self,
         heading: &str,
@@ -186,7 +186,7 @@ impl<'r, R> Table<'r, R> {
         self.column(heading, "%", false, cells)
     }
 
-    /// Deviations in per cent, with their sign.
+    /// Adds a column of deviations in per cent, with their sign.
     pub fn deviations<T: Into<Option<f64>>>(self, heading: &str, value: impl Fn(&R) -> T) -> Self {
         let values = self.values(value);
         let cells = values.iter().map(|x| Some(deviation((*x)?, 3))).collect();
@@ -194,7 +194,7 @@ impl<'r, R> Table<'r, R> {
     }
 }
 
-/// The prefix for the typical magnitude of a column; none without a unit.
+/// Returns the prefix for the typical magnitude of a column; no prefix without a unit.
 fn common_prefix(values: impl Iterator<Item = f64>, unit: &str) -> Prefix {
     let mut sizes: Vec<f64> = values
         .map(f64::abs)
@@ -210,7 +210,7 @@ fn common_prefix(values: impl Iterator<Item = f64>, unit: &str) -> Prefix {
 }
 
 impl<R> Table<'_, R> {
-    /// The tables that the columns stand in, the one at a glance first.
+    /// Returns the columns of each part of the table, the part at a glance first.
     fn parts(&self) -> Vec<Vec<&Column>> {
         let any = |c: &&Column| c.cells.iter().any(Option::is_some);
         let shown: Vec<&Column> = self.columns.iter().filter(any).collect();
@@ -271,7 +271,7 @@ impl<R> Table<'_, R> {
     }
 }
 
-/// A cell; on a narrow screen its heading stands beside it, and nothing where it is empty.
+/// Renders a cell; on a narrow screen its heading is next to it, and an empty cell is left out.
 fn cell(c: &Column, row: usize) -> Markup {
     let text = c.cells[row].as_deref();
     let label = match c.unit.as_str() {
@@ -317,8 +317,8 @@ impl<R> Render for Table<'_, R> {
 mod tests {
     use super::*;
 
-    /// However many details there are: keys and results stand at a glance, every column somewhere, nothing is wider than
-    /// the page.
+    /// For any number of details, keys and results are in the table at a glance, every column is in some part, and no
+    /// part is wider than the page.
     #[test]
     fn results_stand_at_a_glance_and_nothing_is_wider_than_the_page() {
         let rows = ["dopri5", "generalised-alpha(rho_inf=0.8)"];

@@ -1,26 +1,26 @@
-//! Errors of further columns, over the span or the norm of the reference's: angles, torques, transmission errors of further
-//! meshes.
+//! Errors of further columns, relative to the span or the norm of the reference: angles, torques, transmission errors
+//! of further meshes.
 //!
 //! ```text
 //! error = sqrt( int (y - y_r)^2 dt / T ) / (max y_r - min y_r)
 //! ```
 //!
-//! by the trapezoidal rule at the reference's own times, between whose ends T lies; the run is joined by lines between its
-//! samples, and where both sides have two samples at one time, the two sides of a jump, each is held against its own. Angles
-//! count from the start and torques have a sign: an offset is an error, as it is of speeds. A column that the reference
-//! holds constant has no span and is no error but by its root mean square.
+//! The integral is the trapezoidal rule at the reference's own times, and T is their range. The run is linear between
+//! its samples. Where both sides have two samples at one time, the two sides of a jump, each is compared with its
+//! counterpart. Angles count from the start and torques have a sign, so an offset is an error, as for speeds. A
+//! constant column of the reference has no span; its error is relative to its magnitude.
 
 use super::history::trapezoid_weights;
 use super::{TRANSMISSION_ERROR, larger};
 use crate::record::finite;
 use crate::series::TimeSeries;
 
-/// A column of angles of a hub, or of the way of a rack.
+/// True if the column is an angle of a hub, or the displacement of a rack.
 pub(super) fn is_angle(name: &str) -> bool {
     name.starts_with("hub_angle_") || name.starts_with("hub_displacement_")
 }
 
-/// A column of torques about a gear's axis, or of forces along the slide of a rack.
+/// True if the column is a torque about a gear's axis, or a force along the slide of a rack.
 pub(super) fn is_torque(name: &str) -> bool {
     name.starts_with("contact_torque_") || name.starts_with("mount_torque_")
 }
@@ -36,7 +36,7 @@ struct Pair {
     reference: Vec<f64>,
 }
 
-/// The columns of a kind that both sides have; a run that ends before its reference has none.
+/// Returns the columns of a kind that both sides have; empty for a run that ends before its reference.
 fn pairs(run: &TimeSeries, reference: &TimeSeries, of: impl Fn(&str) -> bool) -> Vec<Pair> {
     let n = reference.finite_len();
     let times = &reference.time_s[..n];
@@ -59,8 +59,8 @@ fn pairs(run: &TimeSeries, reference: &TimeSeries, of: impl Fn(&str) -> bool) ->
     wanted.filter_map(pair).collect()
 }
 
-/// Values at ascending times: between samples on a line, outside the nearest; at a jump the first of two equal times is its
-/// left side and the second its right one.
+/// Returns values at ascending times: linear between samples, constant outside; of two equal times at a jump the first
+/// is its left side and the second its right one.
 pub(crate) fn at_times(t: &[f64], y: &[f64], times: &[f64]) -> Vec<f64> {
     let value = |(k, &x): (usize, &f64)| {
         let second = k > 0 && times[k - 1] == x;
@@ -82,7 +82,7 @@ pub(crate) fn at_times(t: &[f64], y: &[f64], times: &[f64]) -> Vec<f64> {
     times.iter().enumerate().map(value).collect()
 }
 
-/// The largest error over the columns of a kind; see the head of the module.
+/// Computes the largest error over the columns of a kind (see the head of the module).
 pub(super) fn worst(
     run: &TimeSeries,
     reference: &TimeSeries,
@@ -102,7 +102,7 @@ pub(super) fn worst(
     all.iter().map(error).fold(None, larger)
 }
 
-/// The deviation of a peak, over the reference's, that is largest.
+/// Computes the largest deviation of a peak magnitude over the columns of a kind, over the reference's peak.
 pub(super) fn peak(
     run: &TimeSeries,
     reference: &TimeSeries,
@@ -114,7 +114,7 @@ pub(super) fn peak(
     all.iter().map(deviation).fold(None, larger)
 }
 
-/// The largest error of a transmission error of a further mesh, over the norm of the reference's.
+/// Computes the largest error of the transmission errors of further meshes, over the norm of the reference's.
 pub(super) fn transmission_errors(run: &TimeSeries, reference: &TimeSeries) -> Option<f64> {
     let all = pairs(run, reference, is_further_transmission_error);
     let error = |p: &Pair| finite((p.missed() / p.square()).sqrt());
@@ -122,20 +122,21 @@ pub(super) fn transmission_errors(run: &TimeSeries, reference: &TimeSeries) -> O
 }
 
 impl Pair {
-    /// Integral of the squared difference.
+    /// Computes the integral of the squared difference.
     fn missed(&self) -> f64 {
         let both = self.run.iter().zip(&self.reference);
         let squares = both.map(|(y, r)| (y - r).powi(2));
         squares.zip(&self.weights).map(|(s, w)| s * w).sum()
     }
 
-    /// Integral of the squared reference.
+    /// Computes the integral of the squared reference.
     fn square(&self) -> f64 {
         let squares = self.reference.iter().map(|r| r * r);
         squares.zip(&self.weights).map(|(s, w)| s * w).sum()
     }
 
-    /// What an error is over: the span, of a constant its magnitude.
+    /// Returns the denominator of the relative error: the span of the reference, or its largest magnitude where it is
+    /// constant.
     fn scale(&self, span: f64) -> f64 {
         let magnitude = self.reference.iter().fold(0.0_f64, |m, r| m.max(r.abs()));
         match span > 1e-9 * magnitude {
@@ -152,7 +153,7 @@ mod tests {
     use crate::record::{Ledger, Metrics};
     use crate::series::Column;
 
-    /// A run of a second: an angle of 2 rad, a torque that jumps from 0 to 3 N m in its middle.
+    /// Makes a run of one second with an angle up to 2 rad and a torque that jumps from 0 to 3 N m at half time.
     fn run() -> TimeSeries {
         let time_s = vec![0.0, 0.25, 0.5, 0.5, 0.75, 1.0];
         let column = |name: &str, values: Vec<f64>| Column {
@@ -217,8 +218,8 @@ mod tests {
         }
     }
 
-    /// What is not there is absent: other columns, another gear, a run that ends before its reference, a reference that is
-    /// a run of the study.
+    /// A metric is absent without its data: a missing column, another gear, a run that ends early, or a reference that
+    /// is itself a run of the study.
     #[test]
     fn what_is_not_there_has_no_error() {
         let run = run();

@@ -1,10 +1,10 @@
-//! A force history as metrics take it: peak, impulse, duration, and how far two of them are apart.
+//! A force history as the metrics use it: peak, impulse, duration, and the distance between two histories.
 
 use crate::force::{ForceHistory, Piece, gauss, minimum};
 use crate::series::TimeSeries;
 use std::borrow::Cow;
 
-/// The force of a series: as the run kept it, else its samples joined by lines.
+/// Returns the force of a series: the pieces of the run where it has them, else its samples joined by lines.
 pub(super) fn force_of(series: &TimeSeries) -> Cow<'_, ForceHistory> {
     match &series.force {
         Some(force) => Cow::Borrowed(force),
@@ -34,7 +34,7 @@ impl<'a> Force<'a> {
         }
     }
 
-    /// The greatest force and when it acts \[N, s\].
+    /// Returns the greatest force and its time [N, s].
     pub fn peak(&self) -> (f64, f64) {
         let at_nodes = |p: &Piece<'_>| p.nodes().fold(0.0_f64, |m, (_, f)| m.max(f));
         let highest = self.pieces.iter().map(at_nodes).fold(0.0, f64::max);
@@ -60,17 +60,17 @@ impl<'a> Force<'a> {
         self.integral(|_, f| f)
     }
 
-    /// Integral of the square of the force [N^2 s].
+    /// Computes the integral of the square of the force [N^2 s].
     pub fn square(&self) -> f64 {
         self.integral(|_, f| f * f)
     }
 
-    /// Centroid of the force in time.
+    /// Computes the centroid of the force in time \[s\].
     fn centroid(&self) -> f64 {
         self.integral(|t, f| t * f) / self.impulse()
     }
 
-    /// Time in which the force exceeds `level`.
+    /// Computes the time in which the force exceeds `level` \[s\].
     pub fn time_above(&self, level: f64) -> f64 {
         let between = |p: &Piece<'_>, a: (f64, f64), b: (f64, f64)| {
             let whole = b.0 - a.0;
@@ -95,7 +95,7 @@ impl<'a> Force<'a> {
         self.pieces.iter().map(piece).sum()
     }
 
-    /// Width of the highest peak at half its height.
+    /// Computes the width of the highest peak at half its height \[s\].
     fn half_width(&self) -> f64 {
         let (peak, at) = self.peak();
         let nodes: Vec<(f64, f64)> = self.pieces.iter().flat_map(Piece::nodes).collect();
@@ -109,7 +109,7 @@ impl<'a> Force<'a> {
         }
     }
 
-    /// The force at ascending times, each moved by `-shift`; 0 between pieces.
+    /// Returns the force at ascending times, each moved by `-shift`; 0 between pieces.
     pub fn at_times(
         &self,
         times: impl Iterator<Item = f64>,
@@ -129,11 +129,11 @@ impl<'a> Force<'a> {
     }
 }
 
-/// What a run is held against.
+/// Reference force that a run is compared with.
 pub(super) enum Target<'a> {
     /// Pieces, up to an end \[s\].
     Pieces { force: Force<'a>, end: f64 },
-    /// Samples, and nothing is known between them: times, forces, weights of the trapezoidal rule.
+    /// Times, forces and trapezoidal weights of samples; between samples the force is unknown.
     Samples {
         t: &'a [f64],
         y: &'a [f64],
@@ -142,7 +142,7 @@ pub(super) enum Target<'a> {
 }
 
 impl<'a> Target<'a> {
-    /// The force of a reference: pieces where it has them, else its samples up to the first that is not finite.
+    /// Returns the force of a reference: pieces where it has them, else its samples up to the first that is not finite.
     pub fn of(series: &'a TimeSeries) -> Self {
         let (t, y) = (&series.time_s, &series.contact_force_n);
         match &series.force {
@@ -166,7 +166,7 @@ impl<'a> Target<'a> {
         }
     }
 
-    /// The last time at which it says anything \[s\].
+    /// Returns the last time at which the force is known \[s\].
     pub fn end(&self) -> f64 {
         match self {
             Self::Pieces { end, .. } => *end,
@@ -174,7 +174,7 @@ impl<'a> Target<'a> {
         }
     }
 
-    /// Whether there is a force, be it zero throughout.
+    /// True if the reference has a force history, which may be zero throughout.
     fn is_known(&self) -> bool {
         match self {
             Self::Pieces { .. } => true,
@@ -182,7 +182,8 @@ impl<'a> Target<'a> {
         }
     }
 
-    /// How far a run, moved by `shift`, is from it: over the union of all pieces, or at its own times.
+    /// Computes the distance between the reference and a run moved by `shift`: over the union of all pieces, or at the
+    /// reference's own times.
     pub fn distance(&self, run: &Force<'_>, shift: f64) -> Distance {
         // Difference and reference: magnitudes, squares.
         let mut sums = [[0.0; 2]; 2];
@@ -231,7 +232,7 @@ impl<'a> Target<'a> {
         }
     }
 
-    /// The shift that brings a run closest, and the distance then: a coarse scan about each guess (no shift, equal
+    /// Returns the shift with the least distance, and that distance: a coarse scan about each guess (no shift, equal
     /// centroids, equal peaks), then golden section.
     pub fn best_shift(&self, run: &Force<'_>) -> (f64, f64) {
         const SCAN: i32 = 32;

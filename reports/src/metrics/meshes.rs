@@ -13,11 +13,11 @@ use crate::series::TimeSeries;
 use std::borrow::Cow;
 use std::f64::consts::TAU;
 
-/// Times that the ripple is taken at, at most.
+/// Largest number of times at which the ripple is sampled.
 const MOST_TIMES: usize = 1 << 14;
 
-/// The name of the column with the contact force of a mesh by the names of its gears; that of the first mesh of a scene has
-/// none in it.
+/// Returns the name of the column with the contact force of a mesh, by the names of its gears; the first mesh of a
+/// scene has a name without them.
 pub fn force_column([a, b]: &[String; 2], first: bool) -> String {
     match first {
         true => "contact_force_n".into(),
@@ -25,8 +25,8 @@ pub fn force_column([a, b]: &[String; 2], first: bool) -> String {
     }
 }
 
-/// The forces of all meshes of a run that reached its end, by the names of their gears; none of a scene with one mesh. The
-/// force of the first is what the run kept of it, those of others are samples joined by lines.
+/// Returns the forces of all meshes of a run that reached its end, by the names of their gears; empty for a scene with
+/// one mesh. The force of the first mesh is piecewise polynomial, that of further meshes linear between samples.
 pub fn mesh_forces(
     series: &TimeSeries,
     meshes: &[[String; 2]],
@@ -57,7 +57,8 @@ pub fn mesh_forces(
     meshes.iter().enumerate().map(of_mesh).collect()
 }
 
-/// See the head of the module; `None` where the samples do not resolve the frequency.
+/// Computes the root mean square of the force above a frequency (see the head of the module); `None` where the samples
+/// do not resolve the frequency.
 fn ripple(force: &Force<'_>, [start, end]: [f64; 2], samples: usize, above: f64) -> Option<f64> {
     let n = samples.min(MOST_TIMES);
     let span = end - start;

@@ -1,4 +1,4 @@
-//! The metrics there are, with what is said of them: the only place that knows their names.
+//! The list of metrics with their keys, names and units; no other module names them.
 
 use crate::words::words;
 
@@ -15,28 +15,28 @@ words! {
         /// Relative L2 error of the force history.
         #[serde(alias = "force")]
         ForceL2 = "force_l2",
-        /// The same after the best shift in time.
+        /// Relative L2 error of the force history after the time shift that minimises it.
         #[default]
         #[serde(alias = "force-aligned")]
         ForceL2Aligned = "force_l2_aligned",
-        /// That shift.
+        /// Time shift \[s\] that minimises the relative L2 error of the force history.
         TimeShift = "time_shift_s",
         /// Peak of the contact force.
         PeakForce = "peak_force_n",
-        /// Its deviation, over the reference.
+        /// Deviation of the peak of the contact force from the reference, over the reference.
         #[serde(alias = "peak")]
         PeakForceRel = "peak_force_rel",
         /// Root mean square of the contact force over the time of the run.
         RmsForce = "rms_force_n",
-        /// Its deviation, over the reference.
+        /// Deviation of the root mean square of the contact force from the reference, over the reference.
         #[serde(alias = "rms")]
         RmsForceRel = "rms_force_rel",
         /// Impulse of the contact force.
         Impulse = "impulse_ns",
-        /// Its deviation, over the reference.
+        /// Deviation of the impulse from the reference, over the reference.
         #[serde(alias = "impulse")]
         ImpulseRel = "impulse_rel",
-        /// Time in contact.
+        /// Time in contact \[s\].
         Duration = "duration_s",
         /// Last angular velocity of gear 1.
         Omega1End = "omega1_end",
@@ -50,7 +50,7 @@ words! {
         TransmissionError = "transmission_error_l2",
         /// Peak to peak of the transmission error.
         TransmissionErrorSpan = "transmission_error_pp_m",
-        /// Its deviation, over the reference.
+        /// Deviation of the peak to peak of the transmission error from the reference, over the reference.
         #[serde(alias = "transmission-error-pp")]
         TransmissionErrorSpanRel = "transmission_error_pp_rel",
         /// Error of the amplitudes of the transmission error by orders of the mesh cycle.
@@ -75,12 +75,12 @@ words! {
 }
 
 impl Metric {
-    /// Key in records, tables and scene files.
+    /// Returns the key in records, tables and scene files.
     pub fn key(self) -> &'static str {
         self.as_str()
     }
 
-    /// What it is called in prose, its SI unit (empty for ratios), its name on the command line.
+    /// Returns name in prose, SI unit (empty for ratios) and name on the command line.
     fn facts(self) -> (&'static str, &'static str, Option<&'static str>) {
         match self {
             Self::ForceL1 => (
@@ -129,8 +129,9 @@ impl Metric {
         }
     }
 
-    /// The metric that tells the integrator's error where this one tells the model's: a force that jumps converges in
-    /// the L1 norm as its event times do, in the L2 norm as their square root (see [`crate::metrics`]).
+    /// Returns the metric for integration errors that corresponds to this metric for model errors. A force with jumps
+    /// converges in the L1 norm with the order of its event times, in the L2 norm with half of it (see
+    /// [`crate::metrics`]).
     #[must_use]
     pub fn of_integration(self) -> Self {
         match self {
@@ -141,17 +142,17 @@ impl Metric {
         }
     }
 
-    /// Whether it can be told of references from elsewhere alone, not of a run against another of the same study.
+    /// True if the metric exists against external references only, not between two runs of the same study.
     pub fn is_of_measurements(self) -> bool {
         matches!(self, Self::Angle | Self::Torque | Self::TorquePeakRel)
     }
 
-    /// In prose.
+    /// Returns the name in prose.
     pub fn words(self) -> &'static str {
         self.facts().0
     }
 
-    /// In the head of a column: what the error is of.
+    /// Returns the head of a column with the metric: its name in prose without the word "error".
     pub fn short(self) -> String {
         let words = self.words();
         let what = words.strip_suffix(" error").unwrap_or(words);
@@ -170,22 +171,22 @@ impl Metric {
         joined.into_iter().fold(what.to_owned(), apart)
     }
 
-    /// SI unit; empty for ratios, which pages show in per cent.
+    /// Returns the SI unit; empty for ratios, which pages show in per cent.
     pub fn unit(self) -> &'static str {
         self.facts().1
     }
 
-    /// Name on the command line; only relative errors have one.
+    /// Returns the name on the command line; only relative errors have one.
     pub fn option(self) -> Option<&'static str> {
         self.facts().2
     }
 
-    /// Whether it is a relative error: the larger its magnitude, the worse.
+    /// True if the metric is a relative error: the larger its magnitude, the worse.
     pub fn is_error(self) -> bool {
         self.option().is_some()
     }
 
-    /// What an axis of it is called.
+    /// Returns the label of an axis with this metric: name in prose and unit, per cent for ratios.
     pub fn axis(self) -> String {
         match self.unit() {
             "" => format!("{} [%]", self.words()),
@@ -197,7 +198,7 @@ impl Metric {
 impl std::str::FromStr for Metric {
     type Err = String;
 
-    /// A metric by its key, or by its name on the command line.
+    /// Parses a metric from its key, or from its name on the command line.
     fn from_str(text: &str) -> Result<Self, String> {
         let named = |m: &Self| m.key() == text || m.option() == Some(text);
         Self::ALL.into_iter().find(named).ok_or_else(|| {
@@ -211,7 +212,7 @@ impl std::str::FromStr for Metric {
 mod tests {
     use super::*;
 
-    /// Keys are the fields of the record, in its order; keys and names lead back to their metric.
+    /// Keys are the fields of the record in its order, and keys and names can be parsed back to their metric.
     #[test]
     fn keys_are_the_fields_of_the_record() {
         use crate::record::Metrics;

@@ -18,28 +18,28 @@
 //! torque_peak_rel  = max |M| / max |M_r| - 1, of the torque for which its magnitude is largest
 //! ```
 //!
-//! with the transmission error e as the column [`TRANSMISSION_ERROR`], zero at first touch of rigid flanks; of further meshes it
-//! is compared at all its times, and the worst mesh counts. A metric of what a reference does not have is absent; without a
-//! force the transmission error is compared at all its times. T is the time that the reference lasts; angles and torques
-//! are held against references from elsewhere alone (`columns.rs`).
+//! The transmission error e is the column [`TRANSMISSION_ERROR`], zero at first touch of rigid flanks. For further
+//! meshes it is compared at all its times, and the worst mesh counts. A metric whose quantity the reference lacks is
+//! absent; without a force the transmission error is compared at all its times. T is the duration of the reference.
+//! Angles and torques are compared with external references only (`columns.rs`).
 //!
 //! **Integrals.** Forces of runs are polynomials between located events, with both sides of every jump
-//! ([`ForceHistory`](crate::force::ForceHistory)). Where run and reference are runs, integrals go by Gauss over the union of
-//! their pieces, and peaks are those of the polynomials: no sampling is in them, and a run against itself is 0. A
-//! reference from elsewhere is known at its own times alone: there the run is evaluated, and the rule is the
+//! ([`ForceHistory`](crate::force::ForceHistory)). Between two runs, integrals are Gauss quadratures over the union of
+//! their pieces, and peaks are those of the polynomials: there is no sampling error, and the error of a run against
+//! itself is 0. An external reference is known at its own times only: the run is evaluated there, and the rule is the
 //! trapezoidal one.
 //!
-//! **Which norm.** A force with damped contact jumps at touch-down and where tooth pairs change. Where an integrator
-//! finds such an event d early or late, the force is off by the jump J for the time d: `int |f - f_r| = J d`, but
-//! `sqrt(int (f - f_r)^2) = J sqrt(d)`. So the L2 norm converges as the square root of the event times and calls one part
-//! in 1e8 of a contact 0.01 %; the L1 norm converges as they do, and is the share of the impulse that acts at another
-//! time than it should. `force_l1` therefore is the integrator's error, wherever runs are held against their model's own
-//! converged solution. Against finite elements, whose force does not jump, the L2 norms tell how the shape is met.
+//! **Choice of norm.** A force with damped contact jumps at touch-down and where tooth pairs change. If an integrator
+//! locates such an event d early or late, the force is wrong by the jump J for the time d: `int |f - f_r| = J d`, but
+//! `sqrt(int (f - f_r)^2) = J sqrt(d)`. The L2 norm therefore converges as the square root of the event times: an event
+//! time error of 1e-8 of a contact gives an L2 error of 0.01 %. The L1 norm converges as the event times do, and equals
+//! the share of the impulse that acts at a wrong time. `force_l1` is therefore the integration error wherever runs are
+//! compared with their model's own converged solution. Against finite elements, whose force does not jump, the L2 norms
+//! measure the error of the shape.
 //!
-//! After an impact most of a pointwise error is phase error: the aligned value says how well the
-//! shape of the force is met, the shift says how much the phase was off. Outside its history a run
-//! has no force: one that ends before its reference is charged with all it missed. One that did not
-//! reach its own end has no metrics ([`Finished`]).
+//! After an impact most of a pointwise error is phase error: the aligned value is the error of the shape of the force,
+//! the shift is the phase error. Outside its history a run has no force, so a run that ends before its reference has an
+//! error for the missing part. A run that did not reach its own end has no metrics ([`Finished`]).
 
 mod columns;
 mod history;
@@ -59,14 +59,14 @@ use orders::OverCycles;
 /// Part of the peak force above which teeth count as in contact [-].
 pub const CONTACT_THRESHOLD: f64 = 1e-6;
 
-/// Name of the column that holds the transmission error \[m\], `r_b1 theta_1 + r_b2 theta_2` in the transverse plane, zero where
-/// the flanks of rigid gears would have touched.
+/// Name of the column of the transmission error \[m\], `r_b1 theta_1 + r_b2 theta_2` in the transverse plane, zero at
+/// first touch of the flanks of rigid gears.
 pub const TRANSMISSION_ERROR: &str = "transmission_error_m";
 
 /// Name of the column that counts the cycles of the first mesh since the start.
 pub const MESH_CYCLE: &str = "mesh_cycle";
 
-/// Histories and ledger of a run that reached its end: no other has metrics.
+/// Histories and ledger of a run that reached its end, as input of the metrics; other runs have none.
 #[derive(Clone, Copy, Debug)]
 pub struct Finished<'a> {
     series: &'a TimeSeries,
@@ -84,8 +84,8 @@ pub struct Unfinished {
 }
 
 impl<'a> Finished<'a> {
-    /// Histories and ledger of a run, with the time that it reached and the time that it was to reach \[s\]: the history
-    /// may end before, where only spells of contact are recorded.
+    /// Returns the run if it reached its end: histories and ledger, with the time that it reached and the time that it
+    /// should reach \[s\]. The history may end before, where only intervals of contact are recorded.
     ///
     /// # Errors
     /// [`Unfinished`] when it did not reach its end, or has no history.
@@ -101,7 +101,7 @@ impl<'a> Finished<'a> {
         }
     }
 
-    /// Its energy and impulse ledger.
+    /// Returns the energy and impulse ledger of the run.
     pub fn ledger(&self) -> &'a Ledger {
         self.ledger
     }
@@ -228,7 +228,7 @@ pub fn compare_all(run: Finished<'_>, all: &[&TimeSeries], against: &str) -> Met
     whole
 }
 
-/// Deviation of a value over that of a reference; zero agrees with zero.
+/// Computes the deviation of a value over that of a reference; zero agrees with zero.
 fn deviation(value: f64, reference: f64) -> f64 {
     match (value, reference) {
         (0.0, 0.0) => 0.0,
@@ -236,7 +236,7 @@ fn deviation(value: f64, reference: f64) -> f64 {
     }
 }
 
-/// The error of larger magnitude, of those that there are.
+/// Returns the error of larger magnitude among those that are known.
 fn larger(a: Option<f64>, b: Option<f64>) -> Option<f64> {
     match (a, b) {
         (Some(x), Some(y)) => Some(if y.abs() > x.abs() { y } else { x }),
@@ -244,7 +244,7 @@ fn larger(a: Option<f64>, b: Option<f64>) -> Option<f64> {
     }
 }
 
-/// Peak to peak of the transmission error up to a time \[m\]; `None` where it was not recorded.
+/// Computes the peak to peak of the transmission error up to a time \[m\]; `None` where it was not recorded.
 fn span_of_transmission_error(series: &TimeSeries, until: f64) -> Option<f64> {
     let column = series.column(TRANSMISSION_ERROR)?;
     let known = series.time_s.partition_point(|&t| t <= until);
@@ -255,10 +255,11 @@ fn span_of_transmission_error(series: &TimeSeries, until: f64) -> Option<f64> {
     finite(most - least)
 }
 
-/// Speeds that change by less than this part of the fastest gear's change belong to a held gear.
+/// Relative change of speed below which a gear counts as held, over the change of the fastest gear.
 const HELD: f64 = 1e-6;
 
-/// See the head of the module; `None` where no speed changes or the run stops before the reference does.
+/// Computes the rebound error (see the head of the module); `None` where no speed changes or the run stops before the
+/// reference does.
 fn rebound(series: &TimeSeries, reference: &TimeSeries, window: f64) -> Option<f64> {
     let reached = series.time_s.last()? >= &(window * (1.0 - 1e-9));
     let gears = [
@@ -284,8 +285,9 @@ fn rebound(series: &TimeSeries, reference: &TimeSeries, window: f64) -> Option<f
 /// Times that both sides must have recorded before others are left out.
 const COMMON: usize = 3;
 
-/// See the head of the module; `None` where a side has no such column. Taken at the times that both recorded, where
-/// neither is interpolated; where these are too few, at those of the reference.
+/// Computes the error of the transmission error (see the head of the module); `None` where a side has no such column.
+/// It is evaluated at the times that both recorded, where neither is interpolated; where these are too few, at those of
+/// the reference.
 fn transmission_error(series: &TimeSeries, reference: &TimeSeries, peak: f64) -> Option<f64> {
     let column = |s: &'_ TimeSeries| {
         let found = s.column(TRANSMISSION_ERROR)?;

@@ -1,6 +1,6 @@
-//! The transmission error by orders of the mesh cycle, without its mean, and without a shift.
+//! Transmission error by orders of the mesh cycle, independent of its mean and of its phase.
 //!
-//! Over the last whole mesh cycles that both sides have, with c the cycles that have passed,
+//! Over the last whole mesh cycles that both sides have, with c the number of elapsed cycles,
 //!
 //! ```text
 //! E_n = 2/N int e(c) exp(-2 pi i n c) dc          over N whole cycles, n = 1, 2, ..
@@ -8,9 +8,10 @@
 //! aligned    = min over s of sqrt( sum |E_n exp(2 pi i n s) - R_n|^2 / sum |R_n|^2 )
 //! ```
 //!
-//! by the trapezoidal rule at the samples of each side, whose ends are put in on the line between neighbours. Measured
-//! transmission errors have no known mean, and their phase depends on where an encoder counts from: neither enters. What
-//! repeats with the turns of the gears and not with the mesh cycle is between the orders and does not enter either.
+//! The integral is the trapezoidal rule at the samples of each side, with both ends interpolated linearly. Measured
+//! transmission errors have no known mean, and their phase depends on the zero of an encoder: neither enters. The part
+//! that repeats with the turns of the gears and not with the mesh cycle lies between the orders and does not enter
+//! either.
 
 use super::columns::at_times;
 use super::history::trapezoid_weights;
@@ -49,21 +50,21 @@ impl Order {
     }
 }
 
-/// The values of a column that is known at all times.
+/// Returns the values of a column that has one value per time.
 fn column<'s>(series: &'s TimeSeries, name: &str) -> Option<&'s [f64]> {
     let values = series.column(name)?;
     (values.len() == series.time_s.len()).then_some(values)
 }
 
 impl OverCycles {
-    /// The transmission error of a run over its own mesh cycles; `None` where it was not recorded, or where the gears turn
-    /// back by more than rounding.
+    /// Returns the transmission error of a run over its own mesh cycles; `None` where it was not recorded, or where the
+    /// gears turn back by more than rounding errors.
     pub fn of_run(series: &TimeSeries) -> Option<Self> {
         Self::at(series, column(series, MESH_CYCLE)?)
     }
 
-    /// The transmission error of a reference, whose mesh cycles are its own where it has them, else those of a run at the
-    /// same times.
+    /// Returns the transmission error of a reference over its own mesh cycles, or over those of a run at the same
+    /// times.
     pub fn of_reference(series: &TimeSeries, run: &TimeSeries) -> Option<Self> {
         let cycles = match column(series, MESH_CYCLE) {
             Some(own) => own.to_vec(),
@@ -100,8 +101,8 @@ impl OverCycles {
         (found.cycle.len() > 1).then_some(found)
     }
 
-    /// First and last of the whole cycles that all of some histories have at their ends; `None` where they share less than
-    /// one cycle.
+    /// Returns first and last of the whole cycles that all histories share; `None` where they share less than one
+    /// cycle.
     pub fn whole<'s>(all: impl IntoIterator<Item = &'s Self>) -> Option<[f64; 2]> {
         let mut shared: Option<[f64; 2]> = None;
         for of in all {
@@ -113,20 +114,20 @@ impl OverCycles {
         (whole >= 1.0).then_some([last - whole, last])
     }
 
-    /// Amplitudes of the orders over whole cycles \[m\], from the first on.
+    /// Computes the amplitudes of the orders over whole cycles \[m\], from the first on.
     pub fn amplitudes(&self, cycles: [f64; 2], most: usize) -> Vec<f64> {
         let kept = self.resolved(cycles).min(most);
         let orders = self.orders(cycles, kept);
         orders.iter().map(|o| o.square().sqrt()).collect()
     }
 
-    /// Number of orders that the samples between two cycles resolve.
+    /// Returns the number of orders that the samples between two cycles resolve.
     fn resolved(&self, [first, last]: [f64; 2]) -> usize {
         let until = |c: f64| self.cycle.partition_point(|&x| x < c);
         ((until(last) - until(first)) as f64 / (last - first) / SAMPLES) as usize
     }
 
-    /// Samples between two cycles with both ends, which stand on the line between neighbours: cycles and errors.
+    /// Returns cycles and errors of the samples between two cycles, with both ends interpolated linearly.
     pub fn between(&self, [first, last]: [f64; 2]) -> (Vec<f64>, Vec<f64>) {
         let inner =
             self.cycle.partition_point(|&c| c <= first)..self.cycle.partition_point(|&c| c < last);

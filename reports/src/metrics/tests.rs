@@ -4,7 +4,7 @@ use super::*;
 use crate::record::Run;
 use std::f64::consts::PI;
 
-/// Half-sine of height `peak` and length `length` that starts at `start`.
+/// Makes a half-sine of height `peak` and length `length` that starts at `start`.
 fn half_sine(start: f64, length: f64, peak: f64, h: f64) -> TimeSeries {
     let mut s = TimeSeries::default();
     for i in 0..=((4.0 * length / h) as usize) {
@@ -20,7 +20,7 @@ fn half_sine(start: f64, length: f64, peak: f64, h: f64) -> TimeSeries {
     s
 }
 
-/// Metrics of a run that was to end where it does.
+/// Computes the metrics of a run that counts as having reached its end.
 fn metrics_of(s: &TimeSeries, reference: &TimeSeries, against: &str) -> Metrics {
     let ledger = Ledger::default();
     let run = Finished::reached(s, &ledger, [0.0, 0.0]).unwrap();
@@ -46,7 +46,7 @@ fn half_sine_has_its_closed_form() {
     close(m.omega2_end, -4000.0, 0.0);
 }
 
-/// Teeth that never touch: zero agrees with zero, and is no reference for anything else.
+/// Two forces of zero have zero error against each other, and a force of zero is no reference for any other.
 #[test]
 fn a_force_of_zero_agrees_with_zero() {
     let none = half_sine(1e-4, 1e-4, 0.0, 1e-7);
@@ -119,8 +119,8 @@ fn scaled_force_has_the_scale_as_error() {
     close(m.time_shift_s, 0.0, 1e-8);
 }
 
-/// Two half-sines of length T, d apart: the squared error is 2 (1 - c(d)) with the overlap
-/// c(d) = (1 - d/T) cos(pi d/T) + sin(pi d/T)/pi.
+/// The squared error of two half-sines of length T at a distance d is 2 (1 - c(d)) with the overlap c(d) = (1 - d/T)
+/// cos(pi d/T) + sin(pi d/T)/pi.
 #[test]
 fn shifted_force_is_found_and_raw_error_exact() {
     let length = 1e-4;
@@ -224,7 +224,7 @@ fn a_run_that_did_not_reach_its_end_is_refused() {
     assert!(run.finished().is_ok());
 }
 
-/// A force of height one that jumps up at `start` and down at `start + 1`, in pieces.
+/// Makes a force of height one in pieces, with a jump up at `start` and a jump down at `start + 1`.
 fn jumping(start: f64) -> TimeSeries {
     let mut s = TimeSeries::default();
     for i in 0..=4 {
@@ -239,7 +239,7 @@ fn jumping(start: f64) -> TimeSeries {
     s
 }
 
-/// An event that comes d late misplaces 2 d of the impulse: the L1 norm is that, the L2 norm its square root.
+/// An event that is late by d misplaces 2 d of the impulse: the L1 error is that, the L2 error its square root.
 #[test]
 fn a_late_jump_costs_its_delay() {
     let reference = jumping(0.6);
@@ -261,7 +261,7 @@ fn a_late_jump_costs_its_delay() {
     );
 }
 
-/// What is known of a reference from elsewhere are its samples: a run is evaluated there.
+/// A reference without pieces is known at its samples alone, so the run is evaluated at their times.
 #[test]
 fn samples_from_elsewhere_are_met_at_their_own_times() {
     let mut run = jumping(0.5);

@@ -1,4 +1,4 @@
-//! What a record must satisfy to be saved, and the form in which it is saved.
+//! Rules that a record must satisfy to be saved, and the form in which it is saved.
 
 use crate::record::{ContactSnapshot, FlankLoad, Results, Run, SCHEMA, Steady, TorquePaths};
 use crate::series::TimeSeries;
@@ -13,7 +13,7 @@ pub(crate) fn each<T>(
     places.try_for_each(|(i, one)| check(one).map_err(|e| format!("{key}[{i}].{e}")))
 }
 
-/// Checks that a list has as many entries as what it belongs to.
+/// Checks that a list has as many entries as the list that it belongs to.
 pub(crate) fn same_length(
     key: &str,
     found: usize,
@@ -87,8 +87,8 @@ impl Results {
         Ok(())
     }
 
-    /// The record as it is saved: histories end before their first number that is not finite and
-    /// keep ten significant digits; points that are not finite are gone from the pictures.
+    /// Returns the record as it is saved: histories end before their first number that is not finite and have ten
+    /// significant digits; points that are not finite are removed from the pictures.
     #[must_use]
     pub fn sanitised(&self) -> Self {
         // Whole histories have files of their own; they are never copied all at once.

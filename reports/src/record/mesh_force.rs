@@ -1,4 +1,4 @@
-//! The contact force of each mesh, of scenes with several.
+//! The record of the contact force of each mesh, for scenes with several meshes.
 
 use serde::{Deserialize, Serialize};
 

@@ -1,9 +1,9 @@
-//! Mesh modes: the damping that each model of a scene has, comparable across models.
+//! The record of mesh modes: natural frequency and damping ratio of each model of a scene.
 
 use crate::numbers::{quantity, short};
 use serde::{Deserialize, Serialize};
 
-/// Ratio of two damping ratios of mesh modes from which on models are said to differ in damping.
+/// Ratio of the damping ratios of mesh modes from which on models count as differently damped.
 const DIFFERS: f64 = 1.5;
 /// Damping ratio below which a mesh mode counts as undamped.
 const UNDAMPED: f64 = 1e-6;
@@ -29,13 +29,13 @@ pub struct MeshMode {
     /// Share of its strain energy in the meshes [-].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mesh_share: Option<f64>,
-    /// Why there is none.
+    /// Reason why the model has no mesh mode.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub message: String,
 }
 
 impl MeshMode {
-    /// Frequency and damping ratio in words, or why there is none.
+    /// Returns frequency and damping ratio in words, or the reason why there is none.
     pub fn to_text(&self) -> String {
         let Some(f) = self.frequency_hz else {
             return self.message.clone();
@@ -60,7 +60,7 @@ impl MeshMode {
     }
 }
 
-/// A damping ratio in per cent. Above 1 the mode does not vibrate, and the number itself says nothing more.
+/// Formats a damping ratio in per cent; above 1 the mode is overdamped, and the word is enough.
 pub(crate) fn damping_to_text(ratio: f64) -> String {
     match ratio {
         z if z > 1.0 => "overdamped".into(),
@@ -68,7 +68,7 @@ pub(crate) fn damping_to_text(ratio: f64) -> String {
     }
 }
 
-/// What to know of models whose mesh modes are damped differently; `None` where they are not.
+/// Returns a remark on models whose mesh modes are damped differently; `None` where they are not.
 pub fn damping_differs(all: &[MeshMode]) -> Option<String> {
     let known: Vec<(&str, f64)> = (all.iter())
         .filter_map(|m| Some((m.label.as_str(), m.damping_ratio?)))

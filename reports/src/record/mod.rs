@@ -1,9 +1,9 @@
-//! The versioned result records: everything a report needs and nothing it could compute itself.
+//! The versioned result records: all data of a report that it cannot compute itself.
 //!
-//! The JSON keys of [`Results`], [`Run`] and [`Metrics`] are a public format (`"schema": 1`): a key
-//! may be added (`docs/results.schema.json` has them all), never renamed or given another meaning without a new schema number. Quantities are
-//! in SI units, the unit stands at the end of the name. A quantity that was not measured, or is not
-//! finite, is absent: use [`finite`].
+//! The JSON keys of [`Results`], [`Run`] and [`Metrics`] are a public format (`"schema": 1`). A key may be added
+//! (`docs/results.schema.json` lists them all), but never renamed or given another meaning without a new schema number.
+//! Quantities are in SI units, and the name of a key ends in its unit. A quantity that was not measured, or is not
+//! finite, is absent: see [`finite`].
 
 pub(crate) mod checks;
 mod mesh_force;
@@ -29,7 +29,8 @@ pub use run::{OwnSolution, Run, Status};
 use serde::{Deserialize, Serialize};
 pub use source::Source;
 
-/// Keys of what depends on the clock or on the machine: two records of one study differ in these, at every depth.
+/// Keys of values that depend on the clock or on the machine: two records of one study may differ in these, at every
+/// depth.
 pub const OF_THE_CLOCK: [&str; 12] = [
     "wall_s",
     "wall_spread_s",
@@ -51,7 +52,7 @@ pub const SCHEMA: u32 = 1;
 /// Id of a model's own converged solution in [`Metrics::against`].
 pub const SELF: &str = "self";
 
-/// `Some(x)` for a finite number, `None` otherwise.
+/// Returns `Some(x)` for a finite number, `None` otherwise.
 pub fn finite(x: f64) -> Option<f64> {
     x.is_finite().then_some(x)
 }
@@ -68,14 +69,14 @@ fn nan() -> f64 {
     f64::NAN
 }
 
-/// What every record says of itself.
+/// The header that all records share: scene, command, machine, version and inputs.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct StudyHeader {
     /// Format version, [`SCHEMA`].
     pub schema: u32,
     /// Name of the scene.
     pub scene: String,
-    /// One line that tells a reader what is simulated.
+    /// One line that describes the simulation.
     #[serde(default)]
     pub title: String,
     /// Command line that makes the record again.
@@ -86,7 +87,7 @@ pub struct StudyHeader {
     pub commit: String,
     /// Time of the study (RFC 3339), as given by the caller.
     pub created: String,
-    /// What it was made of; `None` in records of versions that did not keep it.
+    /// Inputs of the record; `None` in records of versions that did not keep them.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub source: Option<Source>,
 }
@@ -109,16 +110,16 @@ impl Default for StudyHeader {
 /// One study of one scene: the content of `results.json`, without levels between header, part and the rest.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Results {
-    /// What every record says of itself.
+    /// Header that all records share.
     #[serde(flatten)]
     pub header: StudyHeader,
-    /// Settings of the scene in the order to be shown: what, value with unit.
+    /// Settings of the scene in the order of display: name, and value with unit.
     #[serde(default, with = "ordered_map", skip_serializing_if = "Vec::is_empty")]
     pub settings: Vec<(String, String)>,
-    /// What the scene calls accurate enough.
+    /// Tolerance of the scene; absent where it states none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub tolerance: Option<Tolerance>,
-    /// Independent references; the first is the one the charts show as the dark line.
+    /// Independent references; charts show the first one as the dark line.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub references: Vec<ReferenceSeries>,
     /// Measured curves that the tables of the study are compared with.
@@ -127,7 +128,7 @@ pub struct Results {
     /// The mesh mode of each model, of studies of models of a scene with loads.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub mesh_modes: Vec<MeshMode>,
-    /// What the study alone has, under its name.
+    /// Part that is specific to the study, under the study's name.
     #[serde(flatten)]
     pub part: Part,
     /// The runs, failed ones included, in the order to be shown.
@@ -135,7 +136,7 @@ pub struct Results {
 }
 
 impl Results {
-    /// The study that made the record.
+    /// Returns the study that made the record.
     pub fn study(&self) -> Study {
         self.part.study()
     }
@@ -147,17 +148,17 @@ impl Results {
 pub struct Machine {
     /// Processor, as the operating system names it.
     pub cpu: String,
-    /// Logical cores.
+    /// Number of logical processor cores.
     pub cores: usize,
-    /// Operating system.
+    /// Name of the operating system.
     pub os: String,
-    /// Processor architecture.
+    /// Architecture of the processor.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub arch: Option<String>,
     /// Build profile, such as `release`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub profile: Option<String>,
-    /// Whatever else bears on the times, for example that other work ran beside.
+    /// Remark on other influences on the times, for example further load on the machine.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub note: Option<String>,
 }
@@ -165,14 +166,14 @@ pub struct Machine {
 /// The scene's own limit: beyond it a run is `inaccurate`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Tolerance {
-    /// The metric it limits.
+    /// Metric that the tolerance limits.
     pub metric: Metric,
-    /// Greatest magnitude that is accurate enough, in the metric's unit.
+    /// Largest adequate magnitude of the metric, in its unit.
     pub limit: f64,
     /// Reference it refers to, an id in [`Metrics::against`].
     pub against: String,
-    /// Models by [`Run::model_label`] that are shown for their error: beyond the limit they are inaccurate as others
-    /// are, which is no failure of the study.
+    /// Models by [`Run::model_label`] that the study includes for their error: beyond the limit they are inaccurate as
+    /// others are, but this is no failure of the study.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub except: Vec<String>,
 }
@@ -186,9 +187,9 @@ pub struct ReferenceSeries {
     /// Name for legends, such as `CalculiX 2.20, C3D8`.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub title: String,
-    /// Where the data come from: program, deck, file.
+    /// Origin of the data: program, deck, file.
     pub source: String,
-    /// What a reader has to know to judge it.
+    /// Remark on the reference that its reader needs to judge it.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub note: String,
     /// Own error of the reference, as a share of the quantities that runs are compared in [-].
@@ -200,24 +201,24 @@ pub struct ReferenceSeries {
     /// Processor time it cost \[s\].
     #[serde(skip_serializing_if = "not_a_number")]
     pub cpu_s: Option<f64>,
-    /// What was done to the data between their file and here, a line each.
+    /// Steps of processing between the reference's file and these data, a line each.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub processing: Vec<String>,
-    /// The data: the contact force and what has its times. A column that the reference does not have is empty.
+    /// Contact force of the reference and the columns at the same times. A column that the reference lacks is empty.
     pub series: TimeSeries,
-    /// Data at other times.
+    /// Further series of the reference, at other times.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub further: Vec<TimeSeries>,
 }
 
 impl ReferenceSeries {
-    /// All its data, those with the contact force first.
+    /// Returns all series of the reference, the one with the contact force first.
     pub fn all_series(&self) -> Vec<&TimeSeries> {
         std::iter::once(&self.series).chain(&self.further).collect()
     }
 }
 
-/// Lower-case letters, digits, single hyphens.
+/// Returns a text in lower-case letters, digits and single hyphens, for file names.
 pub(crate) fn slug(text: &str) -> String {
     let mut out = String::new();
     for c in text.chars().take(60) {
@@ -240,10 +241,10 @@ pub struct Metrics {
     /// Relative L2 error of the force history [-].
     #[serde(skip_serializing_if = "not_a_number")]
     pub force_l2: Option<f64>,
-    /// The same after the best shift in time [-].
+    /// Relative L2 error of the force history after the time shift that minimises it [-].
     #[serde(skip_serializing_if = "not_a_number")]
     pub force_l2_aligned: Option<f64>,
-    /// That shift: add it to the run's time to meet the reference \[s\].
+    /// Time shift \[s\] that minimises the relative L2 error; added to the times of the run.
     #[serde(skip_serializing_if = "not_a_number")]
     pub time_shift_s: Option<f64>,
     /// Peak force of the run \[N\].
@@ -298,7 +299,7 @@ pub struct Metrics {
     /// Largest error of an angle: root mean square over the span of the reference's [-].
     #[serde(skip_serializing_if = "not_a_number")]
     pub angle_l2: Option<f64>,
-    /// Largest error of a torque, likewise [-].
+    /// Largest error of a torque: root mean square over the span of the reference's [-].
     #[serde(skip_serializing_if = "not_a_number")]
     pub torque_l2: Option<f64>,
     /// Largest deviation of the peak of a torque from the reference, over the reference [-].
@@ -312,7 +313,7 @@ pub struct Metrics {
 }
 
 impl Metrics {
-    /// The value of a metric.
+    /// Returns the value of a metric.
     pub fn get(&self, metric: Metric) -> Option<f64> {
         match metric {
             Metric::ForceL1 => self.force_l1,
@@ -342,7 +343,7 @@ impl Metrics {
     }
 }
 
-/// Where energy and impulse went. Balance: `energy_end = energy_start + external_work - dissipated + jumps + residual`.
+/// Ledger of energy and impulse, with `energy_end = energy_start + external_work - dissipated + jumps + residual`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Ledger {
@@ -364,20 +365,20 @@ pub struct Ledger {
     /// Work of loads and drives \[J\].
     #[serde(skip_serializing_if = "not_a_number")]
     pub external_work_j: Option<f64>,
-    /// Energy taken out by damping and friction \[J\].
+    /// Energy dissipated by damping and friction \[J\].
     #[serde(skip_serializing_if = "not_a_number")]
     pub dissipated_j: Option<f64>,
-    /// What switches brought in, such as a pair of teeth that comes into contact with its whole force \[J\].
+    /// Energy that switching adds \[J\], such as a tooth pair that comes into contact with its full force.
     #[serde(skip_serializing_if = "not_a_number")]
     pub jumps_j: Option<f64>,
-    /// What the balance leaves over: the integrator's doing \[J\].
+    /// Residual of the energy balance \[J\], the error of the integration.
     #[serde(skip_serializing_if = "not_a_number")]
     pub residual_j: Option<f64>,
     /// The residual over the largest energy in the ledger [-].
     #[serde(skip_serializing_if = "not_a_number")]
     pub residual_rel: Option<f64>,
-    /// What growth is judged by: the largest energy of strain, contact and motion of the gears against each other, and
-    /// what passed through contacts \[J\].
+    /// Energy that energy growth is compared with \[J\]: the largest sum of strain energy, contact energy and
+    /// vibrational kinetic energy of the gears, plus the energy that passed through contacts.
     #[serde(skip_serializing_if = "not_a_number")]
     pub vibrating_j: Option<f64>,
     /// Impulse of the contact force along the line of action [N s].
@@ -422,7 +423,7 @@ mod ordered_map {
 mod tests {
     use super::*;
 
-    /// Records of former versions have columns that nothing fills any more.
+    /// Records of former versions may have columns that are no longer in use.
     #[test]
     fn ledgers_of_older_records_are_read() {
         let text = r#"{"energy_start_j": 2.0, "parametric_work_j": 0.0, "dissipated_j": 0.5}"#;

@@ -1,19 +1,19 @@
-//! Where torque and power go in a train: through meshes, shafts and bearings, into and out of members; how planets share.
+//! The record of torque paths in a train: meshes, shafts, bearings, loads and drives, and load sharing of planets.
 
 use serde::{Deserialize, Serialize};
 
-/// Paths of torque through a scene: means from a time on, works over the whole run.
+/// Paths of torque through a scene: mean values over an interval, and work over the whole run.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct TorquePaths {
-    /// Means are taken from here on [s].
+    /// Start of the interval of the means [s].
     pub from_s: f64,
-    /// To here [s].
+    /// End of the interval of the means [s].
     pub to_s: f64,
-    /// How far the run is from settled [-]: the largest relative change between both halves of that time of the mean torque of
-    /// a mesh, or the power that speeds members up over the input.
+    /// Measure of the distance from a settled state [-]: the largest relative change of a mesh's mean torque between
+    /// both halves of the interval, or the power that accelerates members over the input power.
     pub change_rel: f64,
-    /// Mean power of the loads and drives that put power in [W].
+    /// Mean power of the loads and drives that supply power [W].
     pub input_w: f64,
     /// Meshes in the order of the scene.
     pub meshes: Vec<MeshPath>,
@@ -22,22 +22,23 @@ pub struct TorquePaths {
     /// Shafts between neighbouring stations.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub shafts: Vec<ShaftPath>,
-    /// How planets share the load of a gear that they all mesh with.
+    /// Load sharing of planets at each gear that they all mesh with.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub sharing: Vec<Sharing>,
-    /// Work of all loads and drives that put energy in, over the whole run [J].
+    /// Work of all loads and drives that supply energy, over the whole run [J].
     pub work_in_j: f64,
-    /// Work of those that take energy out [J].
+    /// Work of all loads and drives that absorb energy, over the whole run [J].
     pub work_out_j: f64,
-    /// What damping and friction took [J].
+    /// Energy dissipated by damping and friction over the whole run [J].
     pub dissipated_j: f64,
-    /// What the scene has gained: motion, strain, contact [J].
+    /// Increase of the scene's kinetic, strain and contact energy over the whole run [J].
     pub stored_j: f64,
-    /// In less out, dissipated and stored [J]: what the integration made up or lost, and what sums over the grid leave.
+    /// Unexplained energy [J]: `work_in_j` less work out, dissipated and stored energy, by errors of the integration
+    /// and of the sums over the grid.
     pub unexplained_j: f64,
 }
 
-/// A mesh.
+/// Mean force, torques and power of a mesh.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct MeshPath {
@@ -47,23 +48,24 @@ pub struct MeshPath {
     pub force_n: f64,
     /// Mean torques on both gears about their axes [N m]; of a rack the force along its slide [N].
     pub torque_nm: [f64; 2],
-    /// Mean power that the first gear gives (below zero: gets), of a planet its mate, in space [W].
+    /// Mean power from the first gear to the second in space [W]: by torque and speed of the first gear, or of the
+    /// second where the first is a planet.
     pub power_w: f64,
-    /// Its magnitude over the input [-].
+    /// Magnitude of that power over the input power [-].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub share: Option<f64>,
     /// Mean power from gear to gear as the carrier of a planetary set sees it [W].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rolling_w: Option<f64>,
-    /// Mean power that its contacts take: damping, friction, and what they store [W].
+    /// Mean power absorbed in the contacts: damping, friction, and change of stored energy [W].
     pub loss_w: f64,
 }
 
-/// A gear or a body.
+/// Mean speed, torques and power of a gear or a body.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct MemberPath {
-    /// Name.
+    /// Name of the gear or body.
     pub name: String,
     /// Mean speed [rad/s].
     pub speed_rad_s: f64,
@@ -89,37 +91,37 @@ pub struct ShaftPath {
     pub between: [String; 2],
     /// Mean torque that the first exerts on the second [N m].
     pub torque_nm: f64,
-    /// Mean power that goes over [W].
+    /// Mean power through the shaft [W].
     pub power_w: f64,
 }
 
-/// How the planets of a carrier share the load of a gear.
+/// Load sharing of the planets of a carrier at one gear.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Sharing {
-    /// The carrier.
+    /// Name of the carrier.
     pub carrier: String,
     /// The gear that they mesh with.
     pub gear: String,
-    /// Each of them.
+    /// Shares of the planets, one each.
     pub planets: Vec<PlanetShare>,
     /// Load sharing factor of the mean forces: number of planets times the largest over their sum [-].
     pub factor: f64,
-    /// The largest that it ever is [-].
+    /// Largest load sharing factor at any time [-].
     pub factor_greatest: f64,
 }
 
-/// Share of a planet.
+/// Share of a planet in the load of a gear.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct PlanetShare {
-    /// Its name.
+    /// Name of the planet.
     pub planet: String,
     /// Mean force of its mesh over the sum of all [-].
     pub mean: f64,
-    /// The least that it is at a time [-].
+    /// Least share at any time [-].
     pub least: f64,
-    /// The greatest [-].
+    /// Greatest share at any time [-].
     pub greatest: f64,
 }
 
@@ -127,12 +129,12 @@ pub struct PlanetShare {
 const SETTLED: f64 = 0.1;
 
 impl TorquePaths {
-    /// Whether the run has settled, so that its means say where torque and power go.
+    /// True if the run has settled, so that its means are meaningful: `change_rel` at most 0.1.
     pub fn has_settled(&self) -> bool {
         self.change_rel <= SETTLED
     }
 
-    /// Whether every number is one.
+    /// True if every number is finite.
     pub fn is_finite(&self) -> bool {
         let whole = [
             self.change_rel,

@@ -1,4 +1,4 @@
-//! Records for pictures: outlines and contacts in world coordinates.
+//! The record of pictures: outlines, contacts and flank loads in world coordinates.
 
 use super::checks::{each, same_length};
 use serde::{Deserialize, Serialize};
@@ -16,7 +16,7 @@ pub struct ContactSnapshot {
     pub line_of_action: Option<[[f64; 2]; 2]>,
     /// Contacts that carry force.
     pub contacts: Vec<ContactPoint>,
-    /// What the flanks bear.
+    /// Loads on the flanks of each mesh.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub flanks: Vec<FlankLoad>,
     /// Sections of deformed flanks of elastic gears.
@@ -63,7 +63,7 @@ pub struct Outline {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct ContactPoint {
-    /// Where it is \[m\].
+    /// Position of the contact \[m\].
     pub point: [f64; 2],
     /// Force on the second gear \[N\].
     pub force: [f64; 2],
@@ -72,7 +72,7 @@ pub struct ContactPoint {
     /// Hertz's pressure in its middle, of a line between flanks on half-spaces \[Pa\].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub pressure_pa: Option<f64>,
-    /// Half its width \[m\].
+    /// Half width of the contact \[m\].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub half_width_m: Option<f64>,
 }
@@ -85,15 +85,15 @@ pub struct DeformedSection {
     pub gear: String,
     /// The tooth, counted from 1.
     pub tooth: i64,
-    /// Side of it, `left` or `right`.
+    /// Side of the tooth, `left` or `right`.
     pub side: String,
-    /// Where the rigid motion takes the nodes \[m\].
+    /// Positions of the nodes under the rigid motion alone \[m\].
     pub points: Vec<[f64; 2]>,
-    /// How far they are off that place \[m\].
+    /// Elastic displacements of the nodes from these positions \[m\].
     pub displacements: Vec<[f64; 2]>,
 }
 
-/// What the flanks of the first gear of a mesh bear.
+/// Load on the flanks of the first gear of a mesh: contacts at the instant of the picture, and maxima over the run.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct FlankLoad {
@@ -103,7 +103,7 @@ pub struct FlankLoad {
     pub gear: String,
     /// Side of its teeth, `left` or `right`.
     pub side: String,
-    /// What the values are.
+    /// Quantity of the values of patches and grid.
     pub value: FlankValue,
     /// Lengths of roll at the form circle and at the tip \[m\].
     pub roll_m: [f64; 2],
@@ -116,11 +116,11 @@ pub struct FlankLoad {
     pub over_run: Option<FlankGrid>,
 }
 
-/// What a flank is coloured by.
+/// Quantity that a flank is coloured by.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum FlankValue {
-    /// Pressure \[Pa\].
+    /// Contact pressure \[Pa\].
     #[default]
     Pressure,
     /// Force per width \[N/m\].
@@ -145,12 +145,12 @@ pub struct FlankPatch {
     pub value: f64,
 }
 
-/// Values over a flank: rows from the form circle to the tip at equal steps of the length of roll, columns from the lower to
-/// the upper end of the face; 0 where nothing touched.
+/// Values over a flank: rows from the form circle to the tip at equal steps of the length of roll, columns from the
+/// lower to the upper end of the face; 0 without contact.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct FlankGrid {
-    /// Instants that were looked at.
+    /// Number of instants of the run that were evaluated.
     pub instants: usize,
     /// Rows over the profile.
     pub rows: usize,
@@ -161,7 +161,7 @@ pub struct FlankGrid {
 }
 
 impl FlankLoad {
-    /// Whether all numbers are finite and the grid has as many values as it says.
+    /// True if all numbers are finite and the ranges of roll and width are ascending.
     pub(super) fn is_sound(&self) -> bool {
         let patch = |p: &FlankPatch| {
             let numbers = [

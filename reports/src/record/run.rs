@@ -1,4 +1,4 @@
-//! A run: one model under one integrator, what it cost, and how it ended.
+//! The record of a run: one model under one integrator, with cost, status and results.
 
 use super::{
     ContactSnapshot, Ledger, MeshForce, Metrics, Steady, TorquePaths, is_not_finite, nan,
@@ -13,16 +13,16 @@ use std::collections::BTreeMap;
 use std::fmt;
 
 words! {
-    /// How a run ended. All but those that hold are drawn as what they are.
+    /// Status at the end of a run. Charts draw failed runs by their status.
     pub enum Status {
-        /// Reached the end, and a comparison shows an error within the tolerance.
+        /// The run reached its end, and a comparison shows an error within the tolerance.
         #[default]
         Converged = "converged",
-        /// Reached the end with a sound energy balance, but was not judged: nothing shows its error.
+        /// The run reached its end with a sound energy balance, but no comparison shows its error.
         Unchecked = "unchecked",
         /// Reached the end beyond the tolerance.
         Inaccurate = "inaccurate",
-        /// The energy ledger gained what nothing put in.
+        /// The energy ledger grew by more than loads and drives supplied.
         EnergyGrowth = "energy growth",
         /// Contact opened and closed without end.
         Chatter = "chatter",
@@ -34,11 +34,11 @@ words! {
         BlowUp = "blow-up",
         /// A tooth passed through another unseen.
         Tunnelling = "tunnelling",
-        /// A contact pulled.
+        /// A contact force was adhesive (pulled the flanks together).
         AdhesiveForce = "adhesive force",
         /// The run was stopped for taking too long.
         Timeout = "timeout",
-        /// The model cannot run the scene, or would take more memory than it may: nothing was run.
+        /// The model cannot run the scene, or would exceed the memory limit: the run was not started.
         Refused = "refused",
         /// The program itself failed in the run.
         Aborted = "aborted",
@@ -48,12 +48,12 @@ words! {
 }
 
 impl Status {
-    /// Whether the run's numbers must not be used: it did not reach its end soundly.
+    /// True if the run did not reach its end soundly, so that its numbers must not be used.
     pub fn is_failure(self) -> bool {
         !matches!(self, Self::Converged | Self::Unchecked | Self::Inaccurate)
     }
 
-    /// Whether nothing is known against the run.
+    /// True if the run reached its end and no comparison shows an error beyond the tolerance.
     pub fn holds(self) -> bool {
         matches!(self, Self::Converged | Self::Unchecked)
     }
@@ -64,15 +64,15 @@ impl Status {
 pub struct Run {
     /// Model id: `rigid`, `movable-teeth`, `elastic`, `fe`.
     pub model: String,
-    /// What sets this model apart from others of its id, such as `k = 3.6e9 N/m`.
+    /// Variant that distinguishes the model from others of its id, such as `k = 3.6e9 N/m`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub variant: Option<String>,
-    /// Integrator id.
+    /// Id of the integrator.
     pub integrator: String,
-    /// Whether the integrator is implicit.
+    /// True if the integrator is implicit.
     #[serde(default)]
     pub implicit: bool,
-    /// Whether the integrator solves the linear part of the model exactly.
+    /// True if the integrator solves the linear part of the model exactly.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub exact_linear: bool,
     /// Fixed step \[s\].
@@ -81,9 +81,9 @@ pub struct Run {
     /// Relative tolerance of an adaptive method [-].
     #[serde(default, skip_serializing_if = "not_a_number")]
     pub rtol: Option<f64>,
-    /// How it ended.
+    /// Status of the run.
     pub status: Status,
-    /// Why it did not converge: when, and how much; or what to know of a run that did.
+    /// Reason why the run did not converge, with time and amount; or a remark on a run that did.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub message: Option<String>,
     /// Wall time, the median of the repeats \[s\].
@@ -92,7 +92,8 @@ pub struct Run {
     /// Shortest and longest wall time of the repeats \[s\].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub wall_spread_s: Option<[f64; 2]>,
-    /// Processor time of the integration, the median of the repeats \[s\]: other work on the machine does not change it.
+    /// Processor time of the integration, the median of the repeats \[s\]; it does not depend on other work on the
+    /// machine.
     #[serde(default = "nan", skip_serializing_if = "is_not_finite")]
     pub cpu_s: f64,
     /// Number of timed repeats without observers; 0 when the observed run itself was timed.
@@ -104,44 +105,44 @@ pub struct Run {
     /// Simulated time reached \[s\].
     #[serde(default = "nan", skip_serializing_if = "is_not_finite")]
     pub simulated_s: f64,
-    /// Time that it was to reach \[s\]; known while a study runs, a record has the metrics.
+    /// Time that the run should reach \[s\]; it exists while a study runs and is not in records.
     #[serde(skip)]
     pub end_s: Option<f64>,
-    /// Accepted steps.
+    /// Number of accepted steps.
     pub steps: u64,
-    /// Rejected steps.
+    /// Number of rejected steps.
     pub rejected: u64,
-    /// Evaluations of the force.
+    /// Number of evaluations of the force.
     pub force_evaluations: u64,
-    /// Newton iterations.
+    /// Number of Newton iterations.
     pub newton_iterations: u64,
-    /// Matrix factorisations.
+    /// Number of matrix factorisations.
     pub factorisations: u64,
-    /// Located events.
+    /// Number of located events.
     #[serde(default)]
     pub events: u64,
-    /// Degrees of freedom.
+    /// Number of degrees of freedom.
     pub dofs: usize,
     /// Calibration of the stiffness, such as `impact`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub calibration: Option<String>,
-    /// Id of the reference to whose history its constants were fitted, where that is one of this record: its error
-    /// there is the rest of a fit, not a prediction.
+    /// Id of the reference of this record to whose history the constants were fitted, if any: the error against it is
+    /// the residual of a fit, not a prediction.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub fitted_to: Option<String>,
     /// Parameters by gear (`contact A - B` for a mesh) and key, in SI units: numbers as numbers.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub parameters: BTreeMap<String, BTreeMap<String, serde_json::Value>>,
-    /// Dynamic modes of the gear that has most of them (elastic model).
+    /// Largest number of dynamic modes of a gear (elastic model).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub modes: Option<usize>,
     /// Dynamic modes of each gear in the order of the scene, 0 of a gear that has none (elastic model).
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub modes_of_gears: Vec<usize>,
-    /// Whether the truncated modes are kept as residual compliance (elastic model).
+    /// True if the truncated modes are kept as residual compliance (elastic model).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub residual: Option<bool>,
-    /// How its modes were chosen, `flank-compliance` or `frequency` (elastic model).
+    /// Criterion by which the modes were chosen, `flank-compliance` or `frequency` (elastic model).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub choose: Option<String>,
     /// Highest frequency among its modes \[Hz\] (elastic model).
@@ -150,13 +151,13 @@ pub struct Run {
     /// Penalty of its contact \[Pa/m\] (study of penalties).
     #[serde(default, skip_serializing_if = "not_a_number")]
     pub penalty_pa_per_m: Option<f64>,
-    /// Its contact is hard, without a penalty (study of penalties).
+    /// True if the contact is hard, without a penalty (study of penalties).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub hard: Option<bool>,
     /// Mean static transmission error over one base pitch under the load of the study \[m\].
     #[serde(default, skip_serializing_if = "not_a_number")]
     pub static_error_m: Option<f64>,
-    /// What it settles to (loaded running).
+    /// Steady state that the run settles to (loaded running).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub steady: Option<Steady>,
     /// [`Run::published_s`] is not printed there but follows from other published numbers.
@@ -165,11 +166,11 @@ pub struct Run {
     /// Time that others publish for such a model \[s\]; see [`crate::studies::compare::CompareRecord`].
     #[serde(default, skip_serializing_if = "not_a_number")]
     pub published_s: Option<f64>,
-    /// What charts call this run where it stands out among others of its variant.
+    /// Name of the run in charts, where it stands out among others of its variant.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub mark: Option<String>,
-    /// The model's own converged solution that its metrics against `self` are measured against; absent where there is
-    /// none that is ten times finer than the run.
+    /// The model's own converged solution that the metrics against `self` refer to; absent unless it is ten times finer
+    /// than the run.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub own_solution: Option<OwnSolution>,
     /// One entry per reference the run is compared with.
@@ -178,7 +179,7 @@ pub struct Run {
     /// Energy and impulse ledger.
     #[serde(default)]
     pub ledger: Ledger,
-    /// Where torque and power go, of trains and shafts.
+    /// Paths of torque and power, of trains and shafts.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub paths: Option<TorquePaths>,
     /// The contact force of each mesh, of scenes with several.
@@ -187,10 +188,11 @@ pub struct Run {
     /// CSV files with its histories, in the folder of the record.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub files: Vec<String>,
-    /// Recorded histories.
+    /// Recorded histories of the run.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub series: Option<TimeSeries>,
-    /// The histories whole, for files of their own: known while a study runs and in its journal, not kept in records.
+    /// Histories at full resolution, for files of their own; they exist while a study runs and in its journal, not in
+    /// records.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub histories: Option<Histories>,
     /// The mesh at peak force.
@@ -198,10 +200,10 @@ pub struct Run {
     pub contacts: Option<ContactSnapshot>,
 }
 
-/// How a model's own converged solution was computed.
+/// Method, step and tolerance of a model's own converged solution.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct OwnSolution {
-    /// Integrator id.
+    /// Id of the integrator.
     pub integrator: String,
     /// Fixed step \[s\].
     #[serde(default, skip_serializing_if = "not_a_number")]
@@ -209,7 +211,7 @@ pub struct OwnSolution {
     /// Relative tolerance [-].
     #[serde(default, skip_serializing_if = "not_a_number")]
     pub rtol: Option<f64>,
-    /// Accepted steps.
+    /// Number of accepted steps.
     pub steps: u64,
 }
 
@@ -236,8 +238,7 @@ impl fmt::Display for OwnSolution {
 }
 
 impl Run {
-    /// A run, so far without anything but its name, of a model that goes by a label: the variant is the label without
-    /// the model's id in front.
+    /// Makes a run with model and variant alone: the variant is the label without the model's id in front.
     pub fn called(label: &str, model: &str) -> Run {
         let rest = (label.strip_prefix(model)).and_then(|rest| rest.strip_prefix('-'));
         Run {
@@ -247,7 +248,7 @@ impl Run {
         }
     }
 
-    /// The model with its variant: runs that share it differ by integrator only.
+    /// Returns the label of the model with its variant: runs with the same label differ by integrator only.
     pub fn model_label(&self) -> String {
         match &self.variant {
             Some(variant) => format!("{}, {variant}", self.model),
@@ -255,8 +256,8 @@ impl Run {
         }
     }
 
-    /// Processor time of the integration \[s\], which other work on the machine does not change; of records without it
-    /// the wall time.
+    /// Returns the processor time of the integration \[s\], which does not depend on other work on the machine; for
+    /// records without it the wall time.
     pub fn cost_s(&self) -> f64 {
         match self.cpu_s {
             x if x.is_finite() && x > 0.0 => x,
@@ -264,7 +265,7 @@ impl Run {
         }
     }
 
-    /// What metrics can be told of.
+    /// Returns the history of the run if it reached its end, so that metrics can be computed from it.
     ///
     /// # Errors
     /// [`Unfinished`] when it has no history, or one that ends before the run was to end.
@@ -279,12 +280,12 @@ impl Run {
         }
     }
 
-    /// The metrics against one reference.
+    /// Returns the metrics against one reference.
     pub fn against(&self, reference: &str) -> Option<&Metrics> {
         self.metrics.iter().find(|m| m.against == reference)
     }
 
-    /// File name without ending, unique through `index`, the run's place in the record.
+    /// Returns the file name without ending, unique through `index`, the run's place in the record.
     pub fn file_stem(&self, index: usize) -> String {
         let mut stem = format!("run{:02}", index + 1);
         for part in [

@@ -1,4 +1,4 @@
-//! What pages and CSV files say of the mesh modes of a record, whatever its study.
+//! Table, note and CSV file of the mesh modes of a record, for every study.
 
 use crate::csv_table::{CsvTable, number};
 use crate::markup::table::Table;
@@ -7,7 +7,7 @@ use crate::numbers::quantity;
 use crate::record::{MeshMode, damping_differs, damping_to_text};
 use maud::{Markup, html};
 
-/// The section of a page; nothing where there are none.
+/// Returns the section of the page; empty if the record has no mesh modes.
 pub fn tables(all: &[MeshMode]) -> Markup {
     if all.is_empty() {
         return Markup::default();
@@ -40,7 +40,7 @@ pub fn tables(all: &[MeshMode]) -> Markup {
     )
 }
 
-/// The table in CSV; `None` where there are none.
+/// Returns the CSV table of mesh modes; `None` where there are none.
 pub fn csv(all: &[MeshMode]) -> Option<CsvTable> {
     (!all.is_empty()).then(|| {
         CsvTable::new::<&MeshMode>(

@@ -1,6 +1,7 @@
-//! The studies that write a record, a module each: what the record holds, and what page, charts and CSV say of it.
+//! The studies that write a record, one module each: the specific part of the record, and its page, charts and CSV
+//! tables.
 //!
-//! A new study is a module, and its lines in [`Study`], [`Part`] and [`report`] below.
+//! A new study needs a module and its lines in [`Study`], [`Part`] and [`report`] below.
 
 pub mod check;
 pub mod choice_check;
@@ -32,14 +33,14 @@ use maud::Markup;
 use serde::{Deserialize, Serialize};
 
 words! {
-    /// A study.
+    /// The study that made a record.
     pub enum Study {
-        /// All models and integrators of a scene against its references.
+        /// Comparison of all models and integrators of a scene with its references.
         #[default]
         Compare = "compare",
-        /// Error against cost.
+        /// Error against cost of models and integrators.
         Precision = "precision",
-        /// Where methods fail.
+        /// Maps of where integrators fail over step and parameters.
         Stability = "stability",
         /// The cheapest adequate model, integrator and step.
         Choose = "choose",
@@ -68,39 +69,39 @@ words! {
     }
 }
 
-/// What the record of each study has beside header, references and runs.
+/// The part of a record that is specific to its study, next to header, references and runs.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "study", rename_all = "kebab-case")]
 pub enum Part {
-    /// See [`Study::Compare`].
+    /// Part of a record of [`Study::Compare`].
     Compare(compare::CompareRecord),
-    /// See [`Study::Precision`].
+    /// Part of a record of [`Study::Precision`].
     Precision(precision::PrecisionRecord),
-    /// See [`Study::Stability`].
+    /// Part of a record of [`Study::Stability`].
     Stability(stability::StabilityRecord),
-    /// See [`Study::Choose`].
+    /// Part of a record of [`Study::Choose`].
     Choose(Box<choose::ChooseRecord>),
-    /// See [`Study::ChoiceCheck`].
+    /// Part of a record of [`Study::ChoiceCheck`].
     ChoiceCheck(choice_check::CheckRecord),
-    /// See [`Study::Check`].
+    /// Part of a record of [`Study::Check`].
     Check(check::CheckRecord),
-    /// See [`Study::Truncation`].
+    /// Marker of [`Study::Truncation`], which has runs alone.
     Truncation,
-    /// See [`Study::Penalty`].
+    /// Marker of [`Study::Penalty`], which has runs alone.
     Penalty,
-    /// See [`Study::Sweep`].
+    /// Part of a record of [`Study::Sweep`].
     Sweep(sweep::SweepRecord),
-    /// See [`Study::Identify`].
+    /// Part of a record of [`Study::Identify`].
     Identify(identify::IdentifyRecord),
-    /// See [`Study::Modes`].
+    /// Part of a record of [`Study::Modes`].
     Modes(modes::ModesRecord),
-    /// See [`Study::Response`].
+    /// Part of a record of [`Study::Response`].
     Response(response::ResponseRecord),
-    /// See [`Study::Coupling`].
+    /// Part of a record of [`Study::Coupling`].
     Coupling(coupling::CouplingRecord),
-    /// See [`Study::RunUp`].
+    /// Part of a record of [`Study::RunUp`].
     RunUp(run_up::RunUpRecord),
-    /// See [`Study::Stiffness`].
+    /// Part of a record of [`Study::Stiffness`].
     Stiffness(stiffness::StiffnessRecord),
 }
 
@@ -111,7 +112,7 @@ impl Default for Part {
 }
 
 impl Part {
-    /// The study.
+    /// Returns the study that the part belongs to.
     pub fn study(&self) -> Study {
         match self {
             Part::Compare(_) => Study::Compare,
@@ -164,7 +165,7 @@ impl Part {
         }
     }
 
-    /// Takes out what is not finite.
+    /// Removes all numbers that are not finite.
     pub(crate) fn keep_finite(&mut self) {
         match self {
             Part::Coupling(part) => part.keep_finite(),
@@ -177,7 +178,7 @@ impl Part {
     }
 }
 
-/// What the study of a record says: the one place that knows the modules of all studies.
+/// Returns the report of a record. It is the only function with a branch for every study.
 ///
 /// # Errors
 /// [`DrawError`] when the drawing backend refuses.
@@ -193,7 +194,7 @@ pub fn report(results: &Results) -> Result<StudyReport, DrawError> {
     Ok(report)
 }
 
-/// The finding of a record as sentences without markup, for a terminal.
+/// Returns the finding of a record as sentences without markup, for a terminal.
 ///
 /// # Errors
 /// [`DrawError`] when the drawing backend refuses.
@@ -202,7 +203,7 @@ pub fn finding(results: &Results) -> Result<Vec<String>, DrawError> {
     Ok(report.finding.iter().map(crate::markup::text).collect())
 }
 
-/// How far the results of a record are from the measured curves in it, a line each.
+/// Returns the errors of a record's results against its measured curves, a line each.
 ///
 /// # Errors
 /// [`DrawError`] when the drawing backend refuses.
@@ -213,7 +214,7 @@ pub fn measured_lines(results: &Results) -> Result<Vec<String>, DrawError> {
     Ok(measured::lines(&results.measured, &of_part(results)?.csv))
 }
 
-/// What the part of the study alone says.
+/// Returns the report of the part that is specific to the study, without mesh modes, measured curves and `runs.csv`.
 fn of_part(results: &Results) -> Result<StudyReport, DrawError> {
     let view = &View::new(results);
     let mut report = match &results.part {
@@ -237,14 +238,14 @@ fn of_part(results: &Results) -> Result<StudyReport, DrawError> {
     Ok(report)
 }
 
-/// What a study says of a record: all that the page, the charts and the tables in CSV are written from.
+/// The report of a study: everything that page, charts and CSV files are written from.
 #[derive(Clone, Debug, Default)]
 pub struct StudyReport {
     /// The finding in plain words: at most four sentences.
     pub finding: Vec<Markup>,
     /// Sections above the charts.
     pub tables: Markup,
-    /// Charts.
+    /// Charts, in the order of the page.
     pub charts: Vec<Chart>,
     /// Sections below the charts.
     pub details: Markup,
@@ -255,8 +256,8 @@ pub struct StudyReport {
 }
 
 impl StudyReport {
-    /// Gives every file a name of its own: names of gears and labels of models that differ in punctuation alone lead to
-    /// the same one, and so do entries of an edited record.
+    /// Makes all file names unique. Names of gears and labels of models that differ in punctuation alone give the same
+    /// file name, and so do entries of an edited record.
     fn distinguish_files(&mut self) {
         let charts = self.charts.iter_mut().map(|c| &mut c.file);
         let tables = self.csv.iter_mut().map(|t| &mut t.file);

@@ -1,7 +1,7 @@
-//! `runs.csv` of every study: a row per run with all scalar quantities that the record has of it.
+//! The table `runs.csv` of every study: a row per run with all its scalar quantities.
 //!
-//! Studies whose runs stand in the record as such share the columns below. Of the others (cells of a map, candidates,
-//! modes, fits) the rows are those of the first table of the study, under this name.
+//! Studies with runs in the record share the columns below. For the others (cells of a map, candidates, modes, fits)
+//! the file repeats the first table of the study.
 
 use super::sweep;
 use crate::csv_table::{CsvColumn, CsvTable, number, text};
@@ -15,7 +15,7 @@ pub const RUNS: &str = "runs.csv";
 /// A column of runs that may depend on the record, such as on the ids of its references.
 type Column<'c> = (String, Box<dyn Fn(&Run) -> String + 'c>);
 
-/// What tells a run from the others of its study, and how it ended.
+/// Returns the columns that identify a run within its study, and its status.
 pub fn identity() -> [CsvColumn<'static, Run>; 17] {
     [
         ("model", &|r| r.model_label()),
@@ -38,7 +38,7 @@ pub fn identity() -> [CsvColumn<'static, Run>; 17] {
     ]
 }
 
-/// What a run cost.
+/// Returns the columns with the cost of a run: times, steps, evaluations, factorisations.
 pub fn work() -> [CsvColumn<'static, Run>; 12] {
     [
         ("cpu_s", &|r| number(r.cpu_s)),
@@ -56,7 +56,7 @@ pub fn work() -> [CsvColumn<'static, Run>; 12] {
     ]
 }
 
-/// Energy and impulse.
+/// Returns the columns of the ledger of energy and impulse.
 fn ledger() -> [CsvColumn<'static, Ledger>; 13] {
     [
         ("energy_start_j", &|l| number(l.energy_start_j)),
@@ -75,7 +75,7 @@ fn ledger() -> [CsvColumn<'static, Ledger>; 13] {
     ]
 }
 
-/// Columns of what belongs to a run.
+/// Returns columns of a part of the run; their cells are empty where the run lacks the part.
 fn of_part<'c, T: 'static>(
     columns: impl IntoIterator<Item = CsvColumn<'static, T>>,
     part: impl Fn(&Run) -> Option<&T> + Copy + 'c,
@@ -89,7 +89,7 @@ fn of_part<'c, T: 'static>(
     })
 }
 
-/// Results that do not depend on a reference: every comparison has them.
+/// Metrics that do not depend on a reference, so that every comparison has them.
 const RESULTS: [(&str, Metric); 8] = [
     ("peak_force_n", Metric::PeakForce),
     ("rms_force_n", Metric::RmsForce),
@@ -101,7 +101,7 @@ const RESULTS: [(&str, Metric); 8] = [
     ("energy_drift_rel", Metric::EnergyDrift),
 ];
 
-/// All runs of a record with all their scalars; a column in which no run has a value is left out.
+/// Returns the table of all runs of a record with all their scalars; a column in which no run has a value is left out.
 fn table(results: &Results) -> CsvTable {
     fn of_run(r: &Run) -> Option<&Run> {
         Some(r)
@@ -158,7 +158,7 @@ fn table(results: &Results) -> CsvTable {
     }
 }
 
-/// `runs.csv` of a record whose study has written these tables; none where nothing was run.
+/// Returns `runs.csv` of a record whose study has written `tables`; `None` where nothing was run.
 pub fn of_study(results: &Results, tables: &[CsvTable]) -> Option<CsvTable> {
     match results.study() {
         Study::Compare

@@ -151,8 +151,8 @@ fn the_report_is_a_function_of_the_record() {
     assert!(csv.starts_with("time_s,contact_force_n,omega1_rad_s,omega2_rad_s\n"));
 }
 
-/// Whole histories go to files of their own and not to the record, which keeps what charts need; files that an earlier
-/// record left there go.
+/// Histories at full resolution are in files of their own and not in the record, which keeps those of the charts; files
+/// of an earlier record are removed.
 #[test]
 fn whole_histories_have_files_of_their_own() {
     let dir = tempfile::tempdir().unwrap();

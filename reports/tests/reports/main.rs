@@ -1,4 +1,4 @@
-//! Reports of made-up records: their files, what they say, and that they say it honestly.
+//! Reports of made-up records: their files, their texts, and the accuracy of the texts.
 
 mod files;
 mod made_up;
@@ -15,7 +15,7 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
-/// The files of a folder by name.
+/// Reads the files of a folder by name.
 fn contents(dir: &Path) -> BTreeMap<String, String> {
     let entries = fs::read_dir(dir).unwrap().map(|e| e.unwrap());
     let file = |e: fs::DirEntry| {
@@ -25,7 +25,7 @@ fn contents(dir: &Path) -> BTreeMap<String, String> {
     entries.map(file).collect()
 }
 
-/// The files of a report.
+/// Writes a report and returns its files.
 fn written(results: &Results) -> BTreeMap<String, String> {
     let dir = tempfile::tempdir().unwrap();
     write_results(dir.path(), results).unwrap();
@@ -34,7 +34,7 @@ fn written(results: &Results) -> BTreeMap<String, String> {
     files
 }
 
-/// The record keeps to its schema, and every column stands in the dictionary.
+/// Asserts that a record conforms to its schema, and that the dictionary has every column.
 fn as_documented(files: &BTreeMap<String, String>) {
     let record = serde_json::from_str(&files[gearbench_reports::store::RECORD]).unwrap();
     assert_eq!(dictionary::violations(&record), Vec::<String>::new());
@@ -45,20 +45,20 @@ fn as_documented(files: &BTreeMap<String, String>) {
     }
 }
 
-/// Whether all of some files are there.
+/// Asserts that all of the named files are present.
 fn holds(files: &BTreeMap<String, String>, names: &[&str]) {
     for name in names {
         assert!(files.contains_key(*name), "{name}");
     }
 }
 
-/// The finding of a page.
+/// Returns the finding of a page.
 fn finding(page: &str) -> &str {
     let text = page.split("class=\"finding\"").nth(1).unwrap();
     text.split("</section>").next().unwrap()
 }
 
-/// No number that is none may be in any file.
+/// Asserts that no file contains a number that is not finite.
 fn has_only_numbers(files: &BTreeMap<String, String>) {
     for (name, text) in files {
         for word in ["NaN", "nan,", "inf,", "Infinity", "null", ">inf", "\"inf"] {

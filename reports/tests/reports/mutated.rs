@@ -1,5 +1,5 @@
-//! Records that were edited at random, of every study: a report is written, or the record is refused with its file and the
-//! place in it; nothing panics.
+//! Reports of records of every study that were edited at random: the report is written, or the record is refused with
+//! its file and the place in it; there is no panic.
 
 use crate::{contents, has_only_numbers, made_up, modes, pages, precision, trains, written};
 use gearbench_reports::check::{
@@ -18,10 +18,10 @@ use serde_json::{Value, json};
 use std::fs;
 use std::panic::catch_unwind;
 
-/// Edits of each record in an ordinary run of the tests; `GEARBENCH_EDITS` sets another number.
+/// Number of edits of each record in an ordinary run of the tests; `GEARBENCH_EDITS` sets another one.
 const EDITS: u64 = 60;
 
-/// SplitMix64 (Steele, Lea and Flood, OOPSLA 2014).
+/// SplitMix64 random numbers (Steele, Lea and Flood, OOPSLA 2014).
 struct Random(u64);
 
 impl Random {
@@ -37,7 +37,7 @@ impl Random {
     }
 }
 
-/// A response of two models, one of which has none.
+/// Makes a frequency response of two models, one of which has none.
 pub fn response_results() -> Results {
     let mesh = |name: &str| MeshLimit {
         name: name.into(),
@@ -95,7 +95,7 @@ pub fn response_results() -> Results {
     }
 }
 
-/// A check with a quantity of every kind.
+/// Makes a regression check with a quantity of every kind.
 pub fn check_results() -> Results {
     let finding = |kind: Kind, verdict: Verdict| Finding {
         kind,
@@ -138,7 +138,7 @@ pub fn check_results() -> Results {
     }
 }
 
-/// Two models over a mesh cycle, one of which has no equilibrium.
+/// Makes a stiffness study of two models over a mesh cycle, one of which has no equilibrium.
 pub fn stiffness_results() -> Results {
     let position = |i: u32| StiffnessPosition {
         path_coordinate_m: 0.012 * (f64::from(i) / 8.0 - 0.5),
@@ -224,7 +224,7 @@ fn stiffness_has_a_page() {
     assert_eq!(files["runs.csv"], files["stiffness.csv"]);
 }
 
-/// `runs.csv` of every study: rows, and of runs their errors against each reference and their work.
+/// Every study has `runs.csv` with a row per run, its errors against each reference and its work.
 #[test]
 fn every_study_has_a_table_of_its_runs() {
     for results in records() {
@@ -256,7 +256,7 @@ fn every_study_has_a_table_of_its_runs() {
     );
 }
 
-/// A record of every study.
+/// Returns a record of every study.
 fn records() -> Vec<Results> {
     let mut compare = made_up::impact_results();
     compare.runs.truncate(4);
@@ -284,7 +284,7 @@ fn records() -> Vec<Results> {
     ]
 }
 
-/// All places of a record, as JSON pointers.
+/// Collects the places of a record as JSON pointers; of a long list its ends and some entries between.
 fn places(value: &Value, at: &str, all: &mut Vec<String>) {
     let mut child = |key: String, value: &Value| {
         let at = format!("{at}/{}", key.replace('~', "~0").replace('/', "~1"));
@@ -303,7 +303,7 @@ fn places(value: &Value, at: &str, all: &mut Vec<String>) {
     }
 }
 
-/// What may stand in the place of a number.
+/// Returns a number, or null, to replace the number `old`.
 fn number(old: f64, random: &mut Random) -> Value {
     let all = [
         json!(0),
@@ -326,7 +326,7 @@ fn number(old: f64, random: &mut Random) -> Value {
     all[random.below(all.len())].clone()
 }
 
-/// Edits one place.
+/// Edits one random place of a record and returns its path.
 fn edit(record: &mut Value, random: &mut Random) -> String {
     let mut all = Vec::new();
     places(record, "", &mut all);
@@ -428,7 +428,7 @@ fn contents_but_record(dir: &std::path::Path) -> std::collections::BTreeMap<Stri
     files
 }
 
-/// The place of a record that is refused is named, with what is expected there.
+/// A refused record is reported with the place of the error and the expected value.
 #[test]
 fn lists_of_unequal_length_are_refused_with_their_place() {
     let refusal = |results: &Results, place: &str, to: Value| {
@@ -481,7 +481,7 @@ fn lists_of_unequal_length_are_refused_with_their_place() {
     assert!(e.contains("steady.error_cycle_m"), "{e}");
 }
 
-/// Meshes of one name, in one group or in two, have a chart each.
+/// Each mesh has its own chart even if meshes have the same name, in one group or in two.
 #[test]
 fn entries_of_one_name_have_files_of_their_own() {
     let mut results = response_results();
@@ -502,7 +502,7 @@ fn entries_of_one_name_have_files_of_their_own() {
     }
 }
 
-/// Numbers that once ended in an endless loop or a panic have a report.
+/// Records with extreme numbers, which once caused an endless loop or a panic, have a report.
 #[test]
 fn numbers_at_the_ends_of_their_range_have_a_report() {
     for (results, place, to) in [

@@ -1,5 +1,5 @@
-//! What holds for the page of every study: tables that show their results, findings that are short and say what was
-//! fitted, plain words, sizes.
+//! Rules for the page of every study: tables that show their results, findings that are short and name fitted models,
+//! plain words, sizes.
 
 use crate::{finding, made_up, precision, written};
 use gearbench_reports::choice_check::{CheckRecord, Outcome, ValidatedChoice};
@@ -134,7 +134,7 @@ pub fn choice_check() -> Results {
     }
 }
 
-/// The page of every study.
+/// Returns the page of every study.
 fn pages() -> Vec<(&'static str, String)> {
     let all = [
         ("compare", made_up::impact_results()),
@@ -152,7 +152,7 @@ fn pages() -> Vec<(&'static str, String)> {
     all.iter().map(|(name, r)| (*name, page(r))).collect()
 }
 
-/// What stands between tags.
+/// Returns the text of a page without its tags.
 fn text(html: &str) -> String {
     let html = html.replace("<br>", " ");
     let parts = html
@@ -161,7 +161,7 @@ fn text(html: &str) -> String {
     parts.collect::<Vec<_>>().concat()
 }
 
-/// Attribute and text of all elements of a name.
+/// Returns attribute and text of all elements of a name.
 fn elements<'h>(html: &'h str, name: &str) -> Vec<(&'h str, String)> {
     let (open, close) = (format!("<{name}"), format!("</{name}>"));
     let all = html.split(&open[..]).skip(1);
@@ -171,7 +171,7 @@ fn elements<'h>(html: &'h str, name: &str) -> Vec<(&'h str, String)> {
         .collect()
 }
 
-/// Width of a table by its longest cells and words of its heads: text of more than 23 characters wraps.
+/// Estimates the width of a table by its longest cells and words of its heads: text of more than 23 characters wraps.
 fn width(table: &str) -> f64 {
     let heads: Vec<usize> = (elements(table, "th").iter())
         .filter(|(a, _)| !a.contains("colspan"))
@@ -186,8 +186,8 @@ fn width(table: &str) -> f64 {
     widest.iter().map(|n| 12.0 + CHARACTER * *n as f64).sum()
 }
 
-/// Results stand in the table at a glance of every study, and no table is wider than the page: nothing hides in a box
-/// that scrolls, on a screen or on paper.
+/// Every study has its results in the table at a glance, and no table is wider than the page, so that nothing is hidden
+/// in a scrolling box, on a screen or on paper.
 #[test]
 fn no_table_hides_its_results() {
     for (name, page) in pages() {
@@ -223,7 +223,7 @@ fn no_table_hides_its_results() {
     }
 }
 
-/// The columns that were once cut off at the right.
+/// The last columns, which were cut off in an earlier version, are in the table at a glance.
 #[test]
 fn the_columns_at_the_end_are_at_a_glance() {
     for (study, section, columns) in [
@@ -267,7 +267,8 @@ fn findings_are_four_sentences_at_most() {
     }
 }
 
-/// A model that was fitted to the very history that it is held against predicts nothing there, and is not named as if.
+/// A model that was fitted to the history it is compared with makes no prediction there, and the page does not present
+/// it as one.
 #[test]
 fn a_fit_is_no_prediction() {
     let mut results = made_up::impact_results();
@@ -305,7 +306,7 @@ fn a_fit_is_no_prediction() {
     assert!(said.contains("No model predicts the scene"), "{said}");
 }
 
-/// Neither keys of the format nor the quotes of names stand in what is read, and one is not several.
+/// A page has neither keys of the format nor quoted names in its sentences, and singular and plural are correct.
 #[test]
 fn pages_speak_in_words() {
     for (name, page) in pages() {
@@ -327,7 +328,7 @@ fn pages_speak_in_words() {
     }
 }
 
-/// Titles of figures are all different: each says what it is against.
+/// Titles of figures are all different: each names its reference.
 #[test]
 fn no_two_figures_have_one_title() {
     for (name, page) in pages() {
@@ -339,7 +340,7 @@ fn no_two_figures_have_one_title() {
     }
 }
 
-/// Twenty models with long histories: a page keeps below 3 MB, the CSV hold the data.
+/// A page of twenty models with long histories is smaller than 3 MB; the CSV files have the data.
 #[test]
 fn pages_stay_small() {
     let mut results = made_up::rotation_results();

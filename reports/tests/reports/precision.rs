@@ -8,7 +8,7 @@ use gearbench_reports::{
     load_results, write_results,
 };
 
-/// A run: model, integrator, step, wall time [ms], error against the reference and its own solution [%].
+/// Makes a run from model, integrator, step, wall time [ms], and errors against the reference and its own solution [%].
 fn run(model: &str, integrator: &str, step: f64, wall_ms: f64, error: f64, own: f64) -> Run {
     let metrics = |against: &str, percent: f64| Metrics {
         force_l2_aligned: Some(0.01 * percent),
@@ -43,7 +43,7 @@ fn part() -> PrecisionRecord {
     }
 }
 
-/// Three families and a fitted one; the front of all is known by construction.
+/// Makes a record of three families and a fitted one, whose common front is known by construction.
 pub fn results() -> Results {
     let mut runs = Vec::new();
     for (step, wall, error) in [(4e-6, 0.005, 14.0), (1e-6, 0.02, 4.0), (5e-7, 0.04, 4.1)] {

@@ -1,4 +1,4 @@
-//! What the pages of studies find in records whose answer is known.
+//! Results that the pages of studies state for records with a known answer.
 
 use crate::{contents, finding, has_only_numbers, holds, made_up, written};
 use gearbench_reports::store::PAGE;

@@ -9,7 +9,7 @@ use gearbench_reports::run_up::{
 };
 use gearbench_reports::{Column, Part, Results, TimeSeries};
 
-/// A run-up whose mesh order of 16 is largest at 600 rad/s.
+/// Makes a run-up whose mesh order of 16 is largest at 600 rad/s.
 pub fn run_up() -> Results {
     let speeds: Vec<f64> = (0..20).map(|i| 200.0 + 50.0 * f64::from(i)).collect();
     let map = |span: f64, lines: Vec<f64>| RunUpMap {
@@ -102,7 +102,7 @@ fn a_run_up_tells_where_its_orders_peak() {
     assert!(broken.validate().is_err());
 }
 
-/// Two planets of which one bears twice what the other does.
+/// Makes a record with two planets, of which one carries twice the load of the other.
 pub fn trains() -> Results {
     let mesh = |a: &str, b: &str, force_n: f64| MeshPath {
         gears: [a.into(), b.into()],
@@ -218,7 +218,8 @@ fn paths_of_torque_and_shares_of_planets_are_told() {
     assert!(!files.contains_key("torque_paths.csv") && !files.contains_key("load_sharing.svg"));
 }
 
-/// Two models of a scene with so many pairs, whose forces and speed ratios swing; teeth of the second model move.
+/// Makes a record of two models of a scene with a number of pairs whose forces and speed ratios oscillate; teeth of the
+/// second model move.
 fn pairs(meshes: usize) -> Results {
     let time_s: Vec<f64> = (0..200).map(|i| 1e-5 * f64::from(i)).collect();
     let swing = |size: f64, per_s: f64| -> Vec<f64> {
@@ -286,13 +287,13 @@ fn pairs(meshes: usize) -> Results {
     }
 }
 
-/// How often a chart has a text.
+/// Counts the occurrences of a text in a chart.
 fn texts(svg: &str, text: &str) -> usize {
     svg.lines().filter(|line| *line == text).count()
 }
 
-/// The meshes of a model are in one panel, named by the legend alone, as long as these can be told apart; of many meshes
-/// each has a panel of its own.
+/// The meshes of a model share a panel, and the legend names them, up to the number that can be distinguished; of more
+/// meshes each has a panel of its own.
 #[test]
 fn the_meshes_of_a_model_share_a_panel() {
     let files = written(&pairs(2));

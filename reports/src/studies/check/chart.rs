@@ -1,4 +1,4 @@
-//! A quantity over all stored baselines.
+//! Chart of a quantity over all stored baselines.
 
 use super::CheckRecord;
 use crate::drawing::Chart;
@@ -11,14 +11,14 @@ use crate::drawing::style::look;
 /// Most entries in one chart: those that changed most.
 const MOST: usize = 8;
 
-/// Largest change of a history over its first value [-].
+/// Returns the largest change of a history over its first value [-].
 fn span(points: &[(u32, f64)]) -> f64 {
     let first = points.first().map_or(f64::NAN, |p| p.1);
     let changes = points.iter().map(|p| (p.1 / first - 1.0).abs());
     changes.filter(|c| c.is_finite()).fold(0.0, f64::max)
 }
 
-/// The history of a check: change of a quantity over its first baseline; none where there is one baseline alone.
+/// Draws the history of a check: change of a quantity since its first baseline; empty for a single baseline.
 pub fn history(record: &CheckRecord) -> Result<Vec<Chart>, DrawError> {
     let mut trends: Vec<_> = (record.history.iter())
         .filter(|t| t.points.len() > 1 && t.points.iter().all(|p| p.1.is_finite()))

@@ -1,14 +1,15 @@
-//! A check for other programs: a summary in Markdown for a pull request, JUnit XML for a CI server, CSV.
+//! Files of a regression check for other programs: summary in Markdown for a pull request, JUnit XML for a CI server,
+//! CSV.
 
 use super::{CheckRecord, Checked, CheckedValue, Finding, Verdict};
 use crate::csv_table::{CsvTable, exact, number};
 use crate::escape::markdown as markdown_text;
 use maud::{PreEscaped, html};
 
-/// Findings that the summary shows at most; the page has all.
+/// Largest number of findings in the summary; the page has all.
 const MOST: usize = 40;
 
-/// The summary in Markdown.
+/// Returns the summary of a check in Markdown.
 pub fn markdown(record: &CheckRecord) -> String {
     let mark = if record.holds() { "holds" } else { "moved" };
     let mut text = format!(
@@ -49,7 +50,7 @@ pub fn markdown(record: &CheckRecord) -> String {
     text
 }
 
-/// JUnit XML: a suite for each case, a test for each quantity of an entry.
+/// Returns the check as JUnit XML: a suite for each case, a test for each quantity of an entry.
 pub fn junit(record: &CheckRecord) -> String {
     let mut cases: Vec<&str> = Vec::new();
     for e in &record.entries {
@@ -96,7 +97,7 @@ pub fn junit(record: &CheckRecord) -> String {
         .collect()
 }
 
-/// A value as a cell: a number with all its digits.
+/// Formats a value as a cell, a number with all its digits.
 fn value(value: &CheckedValue) -> String {
     match value {
         CheckedValue::Number(x) => exact(*x),
@@ -104,7 +105,7 @@ fn value(value: &CheckedValue) -> String {
     }
 }
 
-/// Every quantity as a line.
+/// Returns the table with a row per quantity.
 pub fn tables(record: &CheckRecord) -> Vec<CsvTable> {
     let rows = record
         .entries

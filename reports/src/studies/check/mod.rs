@@ -1,8 +1,9 @@
-//! The regression check: what was measured, what of it differs from a stored baseline, and by how much it may.
+//! The regression check: measured quantities, their deviations from a stored baseline, and the allowed deviations.
 //!
-//! An **entry** is one scene under one model and one method. A **finding** is one quantity of an entry beside its baseline:
-//! metrics and counts of work gate; runtime, in units of a kernel that is timed beside it, gates where the check says so;
-//! parameters never gate and name what was changed. The verdict of the whole is that of its worst finding.
+//! An **entry** is one scene under one model and one method. A **finding** is one quantity of an entry compared with
+//! its baseline. Metrics and counts of work decide the verdict; runtime, in units of a kernel that is timed together
+//! with it, decides where the check states this; parameters never decide and name the changes. The verdict of the whole
+//! is that of its worst finding.
 
 mod chart;
 mod files;
@@ -19,12 +20,12 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
 words! {
-    /// What kind of quantity a finding is about.
+    /// Kind of the quantity of a finding.
     pub enum Kind {
-        /// How the run ended.
+        /// Status of the run.
         #[default]
         Status = "status",
-        /// A result.
+        /// A metric of the run.
         Metric = "metric",
         /// A bound on a result, whatever the baseline.
         Limit = "limit",
@@ -34,20 +35,20 @@ words! {
         Runtime = "runtime",
         /// A constant that the model was built with.
         Parameter = "parameter",
-        /// Whether the entry is there.
+        /// Presence of the entry in both run and baseline.
         Entry = "entry",
     }
 }
 
 words! {
-    /// What a finding comes to.
+    /// Verdict on a finding.
     pub enum Verdict {
-        /// Within its tolerance.
+        /// The quantity is within its tolerance.
         #[default]
         Held = "held",
-        /// Different, and no matter: reported alone.
+        /// The quantity differs without consequence and is reported alone.
         Reported = "reported",
-        /// Beyond its tolerance.
+        /// The quantity is beyond its tolerance.
         Moved = "moved",
     }
 }
@@ -64,9 +65,9 @@ pub struct Measured {
     pub model: String,
     /// Method with its step or tolerance, such as `dopri5@1e-6`.
     pub method: String,
-    /// How the run ended.
+    /// Status of the run.
     pub status: Status,
-    /// Why it did not converge, where it did not.
+    /// Reason why the run did not converge, if it did not.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub message: Option<String>,
     /// Results by key, in SI units; errors against references as `force_l2@calculix`.
@@ -82,12 +83,12 @@ pub struct Measured {
 }
 
 impl Measured {
-    /// What it is called in messages; unique in a check.
+    /// Returns the name in messages, which is unique in a check.
     pub fn name(&self) -> String {
         format!("{} / {} / {}", self.case, self.model, self.method)
     }
 
-    /// Whether two are the same entry.
+    /// True if both are the same entry: same case, model and method.
     pub fn is(&self, other: &Measured) -> bool {
         (&self.case, &self.model, &self.method) == (&other.case, &other.model, &other.method)
     }
@@ -104,7 +105,7 @@ pub enum CheckedValue {
 }
 
 impl CheckedValue {
-    /// The number, if it is one.
+    /// Returns the number, if it is one.
     pub fn number(&self) -> Option<f64> {
         match self {
             CheckedValue::Number(x) => Some(*x),
@@ -132,7 +133,7 @@ impl From<String> for CheckedValue {
 }
 
 impl From<f64> for CheckedValue {
-    /// What is not finite has no form in JSON and is words.
+    /// Converts a number; one that is not finite has no form in JSON and becomes a text.
     fn from(x: f64) -> Self {
         match x.is_finite() {
             true => CheckedValue::Number(x),
@@ -141,29 +142,29 @@ impl From<f64> for CheckedValue {
     }
 }
 
-/// One quantity beside its baseline.
+/// A quantity compared with its baseline.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Finding {
-    /// What kind of quantity it is.
+    /// Kind of the quantity.
     pub kind: Kind,
-    /// Its key.
+    /// Key of the quantity.
     pub what: String,
-    /// Its value now.
+    /// Value in the present run.
     pub now: CheckedValue,
-    /// Its value in the baseline.
+    /// Value in the baseline.
     pub before: CheckedValue,
     /// Change over the baseline [-], where both are numbers and the baseline is not zero.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub change: Option<f64>,
-    /// What it may differ, in words.
+    /// Allowed deviation in words.
     pub allowed: String,
-    /// What it comes to.
+    /// Verdict on the quantity.
     pub verdict: Verdict,
 }
 
 impl Finding {
-    /// Both values as people read them, `now` first: numbers with as many digits as distinguish them.
+    /// Returns both values for people, `now` first: numbers with as many digits as distinguish them.
     pub fn texts(&self) -> [String; 2] {
         let numbers = [&self.now, &self.before].map(CheckedValue::number);
         let known: Vec<f64> = numbers.iter().copied().flatten().collect();
@@ -175,7 +176,7 @@ impl Finding {
         })
     }
 
-    /// In one line: `peak_force_n 3612.3, baseline 3599.1 (+0.37 %, allowed 1e-6 of it)`.
+    /// Returns the finding in one line: `peak_force_n 3612.3, baseline 3599.1 (+0.37 %, allowed 1e-6 of it)`.
     pub fn told(&self) -> String {
         let change = self.change.map_or(String::new(), |c| {
             format!("{}\u{a0}%, ", numbers::deviation(c, 3))
@@ -197,20 +198,20 @@ impl Finding {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Checked {
-    /// What was measured; of an entry that only the baseline has, that.
+    /// Entry as it was measured; for an entry that only the baseline has, as the baseline stores it.
     #[serde(flatten)]
     pub measured: Measured,
-    /// All quantities.
+    /// Findings on all quantities of the entry.
     pub findings: Vec<Finding>,
 }
 
 impl Checked {
-    /// What differs beyond its tolerance.
+    /// Returns the quantities beyond their tolerance.
     pub fn moved(&self) -> impl Iterator<Item = &Finding> {
         self.of(Verdict::Moved)
     }
 
-    /// What differs and is reported alone.
+    /// Returns the quantities that differ without consequence and are reported alone.
     pub fn reported(&self) -> impl Iterator<Item = &Finding> {
         self.of(Verdict::Reported)
     }
@@ -220,15 +221,15 @@ impl Checked {
     }
 }
 
-/// Where and when a baseline was stored.
+/// Origin of a stored baseline: number, commit, time and processor.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Stored {
-    /// Its number, from 1.
+    /// Number of the baseline, from 1.
     pub baseline: u32,
-    /// Commit of gearbench.
+    /// Commit of gearbench that stored it.
     pub commit: String,
-    /// When (RFC 3339).
+    /// Time at which it was stored (RFC 3339).
     pub created: String,
     /// Processor that its runtimes were measured on.
     pub cpu: String,
@@ -237,41 +238,41 @@ pub struct Stored {
 /// A quantity of an entry over all baselines, the present run last.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Trend {
-    /// The entry.
+    /// Name of the entry, see [`Measured::name`].
     pub entry: String,
     /// Number of the baseline (of the present run the next one) and value.
     pub points: Vec<(u32, f64)>,
 }
 
-/// What the record of a check holds beside its header.
+/// The part of a record that is specific to a regression check.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct CheckRecord {
-    /// The file that says what is checked.
+    /// File that defines the check.
     pub file: String,
-    /// The baseline that it was held against.
+    /// Baseline that the entries are compared with.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stored: Option<Stored>,
-    /// Every entry.
+    /// All entries of the check.
     pub entries: Vec<Checked>,
-    /// Quantity whose history is drawn.
+    /// Key of the quantity whose history is drawn.
     pub quantity: String,
-    /// Its history.
+    /// History of that quantity, one trend per entry.
     pub history: Vec<Trend>,
 }
 
 impl CheckRecord {
-    /// Entries in which something moved.
+    /// Returns the entries with a quantity beyond its tolerance.
     pub fn moved(&self) -> impl Iterator<Item = &Checked> {
         self.entries.iter().filter(|e| e.moved().next().is_some())
     }
 
-    /// Whether nothing moved.
+    /// True if no quantity is beyond its tolerance.
     pub fn holds(&self) -> bool {
         self.moved().next().is_none()
     }
 
-    /// The verdict in one line, the same in terminal, page and summary.
+    /// Returns the verdict in one line, the same in terminal, page and summary.
     pub fn verdict(&self) -> String {
         use numbers::counted;
         let entries = counted(self.entries.len(), "entry", "entries");
@@ -290,7 +291,7 @@ impl CheckRecord {
     }
 }
 
-/// What the study says of a record.
+/// Returns the report of a regression check.
 pub(super) fn report(record: &CheckRecord) -> Result<StudyReport, DrawError> {
     Ok(StudyReport {
         finding: page::finding(record),

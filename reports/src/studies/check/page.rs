@@ -1,4 +1,4 @@
-//! The page of a check: what moved, then every quantity.
+//! The page of a regression check: quantities beyond their tolerance, then all quantities.
 
 use super::{CheckRecord, Checked, Finding, Kind, Verdict};
 use crate::markup::table::Table;
@@ -15,7 +15,7 @@ fn rows(record: &CheckRecord, keep: impl Fn(&Finding) -> bool) -> Vec<Row<'_>> {
     findings.filter(|(_, _, f)| keep(f)).collect()
 }
 
-/// The verdict, and what was changed where that is known.
+/// Returns the verdict, and the changed parameters where they are known.
 pub fn finding(record: &CheckRecord) -> Vec<Markup> {
     let mut all = vec![html! { b { (capital(&record.verdict())) "." } }];
     let mut changed: Vec<String> = rows(record, |f| f.kind == Kind::Parameter)
@@ -62,7 +62,8 @@ fn table(rows: &[Row<'_>]) -> Markup {
     html! { (table) }
 }
 
-/// What moved or is reported, at a glance.
+/// Returns the tables of quantities beyond their tolerance and of those that are reported alone; empty without a
+/// baseline.
 pub fn moved(record: &CheckRecord) -> Markup {
     // Against nothing everything is new.
     if record.stored.is_none() {
@@ -78,7 +79,7 @@ pub fn moved(record: &CheckRecord) -> Markup {
     }
 }
 
-/// Every quantity.
+/// Returns the table of all quantities of all entries.
 pub fn all(record: &CheckRecord) -> Markup {
     let all = rows(record, |_| true);
     if all.is_empty() {

@@ -1,4 +1,4 @@
-//! What moved is named in every form of the report.
+//! Every form of the report names the quantities beyond their tolerance.
 
 use super::*;
 
@@ -92,7 +92,7 @@ fn numbers_are_numbers() {
     assert_eq!(record.entries[0].findings[1].texts(), ["813", "812"]);
 }
 
-/// Names cannot tear the summary, link from it or be formulas of a spreadsheet.
+/// Names cannot break the summary, add links to it or be formulas of a spreadsheet.
 #[test]
 fn names_are_text_in_the_summary_and_in_tables() {
     let mut record = record();
@@ -110,7 +110,7 @@ fn names_are_text_in_the_summary_and_in_tables() {
     assert!(table.contains(",'=cmd|' /C calc'!A0,"), "{table}");
 }
 
-/// Names of the user's cannot break the XML.
+/// Names of the user cannot break the XML.
 #[test]
 fn junit_is_xml() {
     let text = junit(&record());

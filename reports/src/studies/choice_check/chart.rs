@@ -1,4 +1,4 @@
-//! Choices validated on random scenes: cost ratio, and error over tolerance, scene by scene.
+//! Chart of validated choices: cost ratio and error over tolerance, scene by scene.
 
 use crate::drawing::Chart;
 use crate::drawing::axis::Axis;
@@ -9,24 +9,24 @@ use crate::drawing::style::{Look, Marker, look};
 use crate::record::finite;
 use crate::studies::choice_check::{Outcome, ValidatedChoice, quantile};
 
-/// Look of misses.
+/// Marker of scenes in which the choice missed.
 const MISSED: Look = Look {
     ink: Ink::FAIL,
     dash: &[],
     marker: Marker::Wedge,
 };
-/// Look of scenes in which nothing keeps the tolerance.
+/// Marker of scenes without any adequate candidate.
 const NONE: Look = Look {
     ink: Ink::GREY,
     dash: &[],
     marker: Marker::Diamond,
 };
-/// Cost ratio that the median is held against.
+/// Cost ratio that the median is compared with.
 const DEAR: f64 = 2.0;
 /// Ratios beyond which points lie on the edge of their panel.
 const ERRORS: [f64; 2] = [1e-3, 1e2];
 
-/// Scenes at their places on the chart: by kind, within a kind by number.
+/// Returns the scenes with their abscissae on the chart: by kind, within a kind by number.
 fn ordered(choices: &[ValidatedChoice]) -> Vec<(f64, &ValidatedChoice)> {
     let mut all: Vec<&ValidatedChoice> = choices.iter().collect();
     all.sort_by(|a, b| (&a.kind, a.number).cmp(&(&b.kind, b.number)));
@@ -34,7 +34,7 @@ fn ordered(choices: &[ValidatedChoice]) -> Vec<(f64, &ValidatedChoice)> {
     placed.map(|(i, s)| (i as f64 + 1.0, s)).collect()
 }
 
-/// Where kinds begin.
+/// Returns the abscissae at which the kinds of scenes begin, with their names.
 fn starts(scenes: &[(f64, &ValidatedChoice)]) -> Vec<(f64, String)> {
     let mut found: Vec<(f64, String)> = Vec::new();
     for (x, s) in scenes {
@@ -45,7 +45,7 @@ fn starts(scenes: &[(f64, &ValidatedChoice)]) -> Vec<(f64, String)> {
     found
 }
 
-/// The chart of a check.
+/// Draws the chart of validated choices.
 pub fn choice_check(choices: &[ValidatedChoice]) -> Result<Vec<Chart>, DrawError> {
     let scenes = ordered(choices);
     if scenes.is_empty() {

@@ -1,9 +1,9 @@
-//! The table of validated choices.
+//! CSV table of validated choices, a row per scene.
 
 use super::ValidatedChoice;
 use crate::csv_table::{CsvTable, number, text};
 
-/// One line per scene.
+/// Returns the table with a row per scene.
 pub fn tables(choices: &[ValidatedChoice]) -> Vec<CsvTable> {
     vec![CsvTable::new(
         "choice_check.csv",

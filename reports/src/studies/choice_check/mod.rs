@@ -1,8 +1,8 @@
-//! Choices of a model validated on random scenes, and what they come to together.
+//! The validation of model choices on random scenes.
 //!
 //! A scene is **met** when the chosen candidate keeps the tolerance against the reference over the whole scene, or when
-//! none was chosen and none of all that were tried keeps it. Its **cost ratio** is the time of the chosen candidate over
-//! that of the cheapest that keeps the tolerance.
+//! no candidate was chosen and none keeps it. Its **cost ratio** is the time of the chosen candidate over that of the
+//! cheapest candidate that keeps the tolerance.
 
 mod chart;
 mod csv;
@@ -16,19 +16,19 @@ use crate::words::words;
 use serde::{Deserialize, Serialize};
 
 words! {
-    /// How a choice came out.
+    /// Outcome of a choice against the reference.
     pub enum Outcome {
-        /// It keeps the tolerance.
+        /// The chosen candidate keeps the tolerance.
         Adequate = "adequate",
-        /// It does not.
+        /// The chosen candidate exceeds the tolerance.
         Inadequate = "inadequate",
-        /// None was chosen, and none keeps the tolerance.
+        /// No candidate was chosen, and none keeps the tolerance.
         RightlyNone = "rightly none",
-        /// None was chosen, but there is one that keeps the tolerance.
+        /// No candidate was chosen, but at least one keeps the tolerance.
         WronglyNone = "wrongly none",
-        /// None was chosen, for the yardstick of the choice could not decide.
+        /// No candidate was chosen because the yardstick of the choice could not decide.
         NotDecided = "not decided",
-        /// There is no reference to validate against.
+        /// The scene has no reference to validate against.
         #[default]
         #[serde(alias = "not judged")]
         NotValidated = "not validated",
@@ -36,18 +36,18 @@ words! {
 }
 
 impl Outcome {
-    /// The choice did what was asked; one that could not decide, and a scene that could not be validated, did not.
+    /// True if the choice is correct. A choice that could not decide, and a scene without validation, are not met.
     #[must_use]
     pub fn is_met(self) -> bool {
         matches!(self, Outcome::Adequate | Outcome::RightlyNone)
     }
 }
 
-/// A candidate that was tried on the whole scene.
+/// A candidate that was run on the whole scene.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct TriedCandidate {
-    /// Its name.
+    /// Name of the candidate.
     pub name: String,
     /// Error against the reference; absent when it failed, or costs more than the cheapest that is adequate.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -65,111 +65,111 @@ pub struct TriedCandidate {
 pub struct ValidatedChoice {
     /// Name of the scene.
     pub scene: String,
-    /// Its number in the set.
+    /// Number of the scene in the set.
     pub number: usize,
-    /// What happens in it.
+    /// Kind of motion in the scene, the key by which scenes are grouped.
     pub kind: String,
-    /// Its gears.
+    /// Gears of the scene in words.
     pub gears: String,
     /// Simulated time \[s\].
     pub duration_s: f64,
-    /// Metric that was asked for.
+    /// Metric of the requirement.
     pub metric: Metric,
     /// Largest error that is accurate enough [-].
     pub tolerance: f64,
-    /// What errors are against.
+    /// Reference that errors are taken against.
     pub reference: String,
-    /// What the reference itself may be off: the larger of what twice the step and fewer modes change [-].
+    /// Estimated error of the reference: the larger of its changes by twice the step and by fewer modes [-].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reference_error: Option<f64>,
-    /// What the mesh of the scene is off the reference with as many modes and the same contact [-].
+    /// Error of the scene's own mesh against the reference, with as many modes and the same contact [-].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mesh_error: Option<f64>,
-    /// What mesh and contact of the scene are off the reference with as many modes [-].
+    /// Error of the scene's own mesh and contact together against the reference, with as many modes [-].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub given_error: Option<f64>,
-    /// Error of the choice against full finite elements on a finer mesh, where they were run as well [-].
+    /// Error of the choice against full finite elements on a finer mesh [-]; absent where these were not run.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub full_error: Option<f64>,
-    /// Error of the densest elastic model against full finite elements, where they were run [-].
+    /// Error of the elastic model with most modes against full finite elements [-]; absent where these were not run.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub densest_error: Option<f64>,
     /// Samples that were not sound before this scene.
     #[serde(alias = "redraws")]
     pub rejected: u32,
-    /// Number of candidates.
+    /// Number of candidates of the choice.
     pub candidates: usize,
-    /// Candidates that failed.
+    /// Number of candidates that failed.
     pub failed: usize,
-    /// Candidates that were not run to the end, because they could not be the cheapest.
+    /// Number of candidates that were stopped early because they could not be the cheapest.
     pub cut_short: usize,
-    /// How the choice came out.
+    /// Outcome of the choice against the reference.
     pub outcome: Outcome,
     /// The candidate that was chosen.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub chosen: Option<String>,
-    /// Its error as the choice predicts it [-].
+    /// Error of the chosen candidate as predicted by the choice [-].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub predicted_error: Option<f64>,
-    /// Its error [-].
+    /// Error of the chosen candidate against the reference [-].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub error: Option<f64>,
-    /// Its time as the choice predicts it \[s\].
+    /// Processor time of the chosen candidate as predicted by the choice \[s\].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub predicted_cost_s: Option<f64>,
-    /// Its time on a processor \[s\].
+    /// Processor time of the chosen candidate \[s\].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cost_s: Option<f64>,
     /// The cheapest candidate that keeps the tolerance.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cheapest: Option<String>,
-    /// Its error [-].
+    /// Error of the cheapest adequate candidate [-].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cheapest_error: Option<f64>,
-    /// Its time, measured in turn with that of the choice \[s\].
+    /// Processor time of the cheapest adequate candidate, measured in turn with that of the choice \[s\].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cheapest_cost_s: Option<f64>,
     /// Least error of all candidates that were run to the end [-].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub least_error: Option<f64>,
-    /// Time that choosing took \[s\].
+    /// Time of the choice itself \[s\].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub choosing_s: Option<f64>,
-    /// Time of it that setting up the finer mesh took, caches as they were \[s\].
+    /// Part of that time for setting up the finer mesh, with the caches as they were \[s\].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub refining_s: Option<f64>,
-    /// In which ways the choice says that the scene lies outside of what it has been checked on.
+    /// Properties of the scene outside of the range in which choices have been validated, as the choice states them.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub outside: Vec<String>,
-    /// Why it could not be validated, or there is no answer.
+    /// Reason why the scene could not be validated, or why there is no choice.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub note: Option<String>,
-    /// All candidates; left out of records that are kept.
+    /// All candidates; left out of stored records.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub tried: Vec<TriedCandidate>,
 }
 
 impl ValidatedChoice {
-    /// Cost of the choice over that of the cheapest adequate candidate, where the choice is adequate.
+    /// Returns the cost of the choice over that of the cheapest adequate candidate, where the choice is adequate.
     #[must_use]
     pub fn cost_ratio(&self) -> Option<f64> {
         let ratio = self.cost_s? / self.cheapest_cost_s?;
         (self.outcome == Outcome::Adequate && ratio.is_finite()).then_some(ratio)
     }
 
-    /// Error over tolerance.
+    /// Returns error over tolerance.
     #[must_use]
     pub fn error_ratio(&self) -> Option<f64> {
         over(self.error?, self.tolerance)
     }
 
-    /// Predicted error over the error that was found.
+    /// Returns the predicted error over the error against the reference.
     #[must_use]
     pub fn prediction_ratio(&self) -> Option<f64> {
         over(self.predicted_error?, self.error?)
     }
 
-    /// Why a scene was missed, in words.
+    /// Returns the reason why a scene was missed, in words.
     #[must_use]
     pub fn why_missed(&self) -> String {
         let percent =
@@ -203,24 +203,24 @@ fn over(a: f64, b: f64) -> Option<f64> {
 /// Figures of a group of scenes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Share {
-    /// What the scenes have in common.
+    /// Common property of the scenes in the group.
     pub name: String,
-    /// Scenes.
+    /// Number of scenes in the group.
     pub scenes: usize,
-    /// Scenes that are met.
+    /// Number of scenes that are met.
     pub met: usize,
-    /// Scenes among them in which nothing keeps the tolerance, as the choice said.
+    /// Number of these scenes without any adequate candidate, as the choice stated.
     pub rightly_none: usize,
     /// Quartiles and 90 % point of the cost ratios.
     pub cost_ratio: [Option<f64>; 4],
-    /// The same of predicted over true errors.
+    /// Quartiles and 90 % point of predicted over true errors.
     pub prediction: [Option<f64>; 4],
 }
 
-/// Parts of the sorted values at which [`Share`] looks.
+/// Quantiles of the ratios in [`Share`].
 pub const QUANTILES: [f64; 4] = [0.25, 0.5, 0.75, 0.9];
 
-/// The value below which a part of the values lies, between neighbours by proportion; values in any order.
+/// Computes a quantile of the finite values, in any order, by linear interpolation between neighbours.
 #[must_use]
 pub fn quantile(values: &[f64], part: f64) -> Option<f64> {
     let mut sorted: Vec<f64> = values.iter().copied().filter(|x| x.is_finite()).collect();
@@ -232,7 +232,7 @@ pub fn quantile(values: &[f64], part: f64) -> Option<f64> {
     Some(sorted[low] + rest * (sorted[high] - sorted[low]))
 }
 
-/// Figures of scenes.
+/// Computes the figures of a group of scenes.
 #[must_use]
 pub fn share(name: &str, scenes: &[&ValidatedChoice]) -> Share {
     let quantiles = |get: fn(&ValidatedChoice) -> Option<f64>| {
@@ -250,7 +250,7 @@ pub fn share(name: &str, scenes: &[&ValidatedChoice]) -> Share {
     }
 }
 
-/// Figures of all scenes, then by kind, by metric and by reference.
+/// Computes the figures of all scenes, then by kind, by metric and by reference.
 #[must_use]
 pub fn shares(scenes: &[ValidatedChoice]) -> Vec<Share> {
     let all: Vec<&ValidatedChoice> = scenes.iter().collect();
@@ -270,7 +270,7 @@ pub fn shares(scenes: &[ValidatedChoice]) -> Vec<Share> {
     found
 }
 
-/// What the record of this study has of its own.
+/// The part of a record that is specific to a validation of choices.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct CheckRecord {
     /// Choices of a model validated on random scenes.
@@ -279,7 +279,7 @@ pub struct CheckRecord {
 }
 
 impl Results {
-    /// Choices of a model validated on random scenes; none in records of other studies.
+    /// Returns the validated choices; empty in records of other studies.
     pub fn choices(&self) -> &[ValidatedChoice] {
         match &self.part {
             Part::ChoiceCheck(part) => &part.choices,
@@ -288,7 +288,7 @@ impl Results {
     }
 }
 
-/// What the study says of a record.
+/// Returns the report of a validation of choices.
 pub(super) fn report(choices: &[ValidatedChoice]) -> Result<StudyReport, DrawError> {
     Ok(StudyReport {
         finding: tables::finding(choices),

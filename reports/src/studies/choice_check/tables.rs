@@ -37,7 +37,7 @@ pub fn finding(choices: &[ValidatedChoice]) -> Vec<Markup> {
     sentences
 }
 
-/// What the scenes' own meshes and contacts are off, and how choices do against full finite elements.
+/// Returns sentences on the errors of the scenes' own meshes and contacts, and of choices against full finite elements.
 fn beyond_the_mesh(choices: &[ValidatedChoice]) -> Vec<Markup> {
     let mut sentences = Vec::new();
     let errors = |of: fn(&ValidatedChoice) -> Option<f64>| -> Vec<(f64, f64)> {
@@ -71,7 +71,7 @@ fn beyond_the_mesh(choices: &[ValidatedChoice]) -> Vec<Markup> {
     sentences
 }
 
-/// Tables: figures by group, and the scenes that were missed.
+/// Returns the tables with the figures by group, and with the scenes that were missed.
 pub fn tables(choices: &[ValidatedChoice]) -> Markup {
     let groups = shares(choices);
     let sure = |x: Option<f64>| x.map_or_else(|| "-".into(), |x| significant(x, 3));
@@ -120,7 +120,7 @@ fn chosen(s: &ValidatedChoice) -> String {
     s.chosen.clone().unwrap_or_else(|| "none".into())
 }
 
-/// All scenes, one line each.
+/// Returns the table of all scenes, a row each.
 pub fn scenes(choices: &[ValidatedChoice]) -> Markup {
     let table = Table::of(choices)
         .classed(|s| if s.outcome.is_met() { "" } else { "failed" })

@@ -1,4 +1,4 @@
-//! Estimated error against predicted cost of everything that a choice has tried.
+//! Chart of estimated error over predicted cost of all candidates of a choice.
 
 use crate::drawing::Chart;
 use crate::drawing::axis::{Axis, Frame, TICK_SIZE};
@@ -20,7 +20,7 @@ struct Point<'a> {
     chosen: bool,
 }
 
-/// The chart of a choice.
+/// Draws the chart of a choice.
 pub fn choose(choice: &ChoiceRecord) -> Result<Option<Chart>, DrawError> {
     let families = choice.families();
     let style = |t: &TriedRecord| families.iter().position(|f| *f == t.family).unwrap_or(0);

@@ -1,9 +1,9 @@
-//! Tables of a choice: its candidates, and the levels of its hierarchy.
+//! CSV tables of a model choice: its candidates, and the levels of its hierarchy.
 
 use super::{ChoiceRecord, LevelRecord, TriedRecord};
 use crate::csv_table::{CsvTable, number, text};
 
-/// One line per candidate, and one per level.
+/// Returns the tables with a row per candidate, and with a row per level.
 pub fn tables(choice: &ChoiceRecord) -> Vec<CsvTable> {
     vec![candidates(choice), levels(choice)]
 }

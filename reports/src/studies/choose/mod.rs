@@ -1,4 +1,4 @@
-//! What a study of model choice records beside its scene: the requirement, the hierarchy, what was tried, the answer.
+//! The study of model choice: requirement, hierarchy of models, candidates that were run on a window, and the choice.
 
 mod chart;
 mod csv;
@@ -11,38 +11,38 @@ use maud::Markup;
 use serde::{Deserialize, Serialize};
 pub use verdict::{Adequacy, Verdict};
 
-/// The answer to "what is the cheapest that will do", and how it was found.
+/// The cheapest adequate model, integrator and step of a scene, and the data that the choice follows from.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct ChoiceRecord {
     /// Metric by its name on the command line, such as `force-aligned`.
     pub metric: String,
-    /// The metric in words.
+    /// Name of the metric in words.
     pub metric_title: String,
     /// Largest relative error that is accurate enough [-].
     pub tolerance: f64,
-    /// The answer: a model is adequate, nothing that was tried is, or the yardstick cannot decide. Absent in records of
-    /// earlier versions.
+    /// Verdict: a model is adequate, no candidate is, or the yardstick cannot decide. Absent in records of earlier
+    /// versions.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub verdict: Option<Verdict>,
     /// The model that all others are compared with.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub yardstick: String,
-    /// Estimated error of the yardstick itself over the whole scene, by its modes, its mesh and its integration [-]; absent
-    /// where it is not known, and then nothing is judged.
+    /// Estimated error of the yardstick itself over the whole scene, by its modes, its mesh and its integration [-];
+    /// absent where it is unknown, and then no model is adequate or inadequate.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub yardstick_error: Option<f64>,
-    /// Part of it by the integration, on the window [-].
+    /// Part of the yardstick's error by its integration, on the window [-].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub yardstick_integration_error: Option<f64>,
-    /// Part of it by the mesh, on the window [-]; absent where the mesh cannot be refined.
+    /// Part of the yardstick's error by its mesh, on the window [-]; absent where the mesh cannot be refined.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub yardstick_mesh_error: Option<f64>,
-    /// Part of it of a history that does not repeat: change of the metric over the whole scene by 1 % more stiffness of rigid
-    /// gears [-].
+    /// Part of the yardstick's error for a history that is not repeatable: change of the metric over the whole scene by
+    /// 1 % more stiffness of rigid gears [-].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub scatter: Option<f64>,
-    /// Why the history does not repeat; absent where it does.
+    /// Reason why the history is not repeatable; absent where it is.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub not_repeatable: Option<String>,
     /// Distances of the yardstick and of the choice to the references of the scene.
@@ -54,16 +54,17 @@ pub struct ChoiceRecord {
     /// Predicted processor time of the choice for all runs with one set-up \[s\].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub total_cost_s: Option<f64>,
-    /// Place of the choice in [`ChoiceRecord::tried`]; none when nothing is adequate.
+    /// Index of the choice in [`ChoiceRecord::tried`]; absent when nothing is adequate.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub chosen: Option<usize>,
-    /// Estimated error of the choice against the yardstick over the whole scene, else the least there is [-].
+    /// Estimated error of the choice against the yardstick over the whole scene, or, without a choice, the least of all
+    /// candidates [-].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub predicted_error: Option<f64>,
-    /// Part of it by the model, against the top level [-].
+    /// Part of the predicted error by the model, against the top level [-].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub model_error: Option<f64>,
-    /// Part of it by the integrator, against the model's own fine solution [-].
+    /// Part of the predicted error by the integrator, against the model's own fine solution [-].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub integration_error: Option<f64>,
     /// Part of the yardstick's error by its modes, on the window [-].
@@ -78,19 +79,19 @@ pub struct ChoiceRecord {
     /// Processor time of its set-up, with the caches as they were \[s\].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub setup_s: Option<f64>,
-    /// The window in words.
+    /// Description of the window in words.
     pub window: String,
-    /// Its end \[s\].
+    /// End of the window \[s\].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub window_s: Option<f64>,
     /// The reason, a sentence each.
     pub reason: Vec<String>,
-    /// In which ways the scene lies outside of what choices were checked on.
+    /// Properties of the scene outside of the range in which choices were validated.
     pub outside: Vec<String>,
     /// The hierarchy, simplest model first.
     #[serde(alias = "rungs")]
     pub levels: Vec<LevelRecord>,
-    /// What was run on the window.
+    /// Candidates that were run on the window.
     pub tried: Vec<TriedRecord>,
 }
 
@@ -98,7 +99,7 @@ pub struct ChoiceRecord {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct LevelRecord {
-    /// Name.
+    /// Name of the level.
     pub name: String,
     /// Family: `rigid`, `movable-teeth`, `quasi-static`, `elastic`.
     pub family: String,
@@ -114,7 +115,7 @@ pub struct LevelRecord {
     /// Estimated error against the yardstick over the whole scene [-].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub error: Option<f64>,
-    /// Whether it keeps the tolerance, as far as the yardstick can decide.
+    /// Verdict on the level's error under the tolerance, as far as the yardstick can decide.
     pub adequate: Adequacy,
     /// Forces on the window, where a history does not repeat.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -125,7 +126,7 @@ pub struct LevelRecord {
     /// Processor time of the set-up \[s\].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub setup_s: Option<f64>,
-    /// Why its numbers are not to be used, if so.
+    /// Reason why the numbers of the level must not be used, if any.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub failure: Option<String>,
 }
@@ -134,12 +135,12 @@ pub struct LevelRecord {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct TriedRecord {
-    /// Its level.
+    /// Name of the candidate's level.
     #[serde(alias = "rung")]
     pub level: String,
     /// Family of its level.
     pub family: String,
-    /// Integrator.
+    /// Integrator of the candidate.
     pub integrator: String,
     /// Fixed step \[s\].
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -147,33 +148,34 @@ pub struct TriedRecord {
     /// Relative tolerance [-].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rtol: Option<f64>,
-    /// Estimated error against the yardstick over the whole scene [-]; none where the run failed.
+    /// Estimated error against the yardstick over the whole scene [-]; absent where the run failed.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub error: Option<f64>,
     /// Predicted processor time for the whole scene \[s\].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cost_s: Option<f64>,
-    /// Steps on the window.
+    /// Number of steps on the window.
     pub steps: u64,
     /// Force evaluations on the window.
     pub force_evaluations: u64,
-    /// Whether it keeps the tolerance, as far as the yardstick can decide.
+    /// Verdict on the candidate's error under the tolerance, as far as the yardstick can decide.
     pub adequate: Adequacy,
-    /// How the run failed, if so.
+    /// Reason of the failure, if the run failed.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub failure: Option<String>,
 }
 
-/// Distances in the metric asked for to a reference of the scene, over the whole scene.
+/// Distances of yardstick and choice to a reference of the scene, in the metric of the requirement, over the whole
+/// scene.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct ReferenceDistance {
-    /// The reference.
+    /// Name of the reference.
     pub reference: String,
     /// Distance of the yardstick to it [-]; absent where the yardstick was not run or the reference has no such quantity.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub yardstick: Option<f64>,
-    /// Distance of the choice to it [-]; absent likewise.
+    /// Distance of the choice to the reference [-]; absent if it was not run or the reference has no such quantity.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub choice: Option<f64>,
 }
@@ -184,11 +186,11 @@ pub struct ReferenceDistance {
 pub struct ForceStatistics {
     /// Root mean square \[N\].
     pub rms_n: f64,
-    /// Spells of contact.
+    /// Number of intervals of contact.
     pub spells: usize,
-    /// Median of the peaks of the spells \[N\].
+    /// Median of the peak forces of these intervals \[N\].
     pub median_peak_n: f64,
-    /// Greatest peak \[N\].
+    /// Greatest peak of the force \[N\].
     pub greatest_peak_n: f64,
 }
 
@@ -197,7 +199,7 @@ fn is_zero(n: &u64) -> bool {
 }
 
 impl TriedRecord {
-    /// Integrator with its step or tolerance.
+    /// Returns the integrator with its step or tolerance.
     #[must_use]
     pub fn method(&self) -> String {
         let at = match (self.step_s, self.rtol) {
@@ -210,7 +212,7 @@ impl TriedRecord {
 }
 
 impl ChoiceRecord {
-    /// The families in the order of the hierarchy: their place is their style.
+    /// Returns the families in the order of the hierarchy; the index is that of their style.
     #[must_use]
     pub fn families(&self) -> Vec<&str> {
         let mut all: Vec<&str> = Vec::new();
@@ -222,13 +224,13 @@ impl ChoiceRecord {
         all
     }
 
-    /// What was chosen.
+    /// Returns the chosen candidate; `None` when nothing is adequate.
     #[must_use]
     pub fn choice(&self) -> Option<&TriedRecord> {
         self.tried.get(self.chosen?)
     }
 
-    /// The answer; records of earlier versions know a choice or none.
+    /// Returns the verdict; in records of earlier versions it follows from the presence of a choice.
     #[must_use]
     pub fn answer(&self) -> Verdict {
         self.verdict.unwrap_or(match self.chosen {
@@ -237,7 +239,8 @@ impl ChoiceRecord {
         })
     }
 
-    /// Whether an error against the yardstick [-] keeps the tolerance.
+    /// Returns the verdict on an error against the yardstick [-] under the tolerance. An unknown error counts as
+    /// infinite.
     #[must_use]
     pub fn adequacy(&self, error: Option<f64>) -> Adequacy {
         let own = self.yardstick_error.unwrap_or(f64::INFINITY);
@@ -245,8 +248,9 @@ impl ChoiceRecord {
     }
 
     /// Checks the rules that the types do not enforce: the verdict follows from the numbers.
-    ///    ///
+    ///
     /// # Errors
+    ///
     /// A sentence that names the rule.
     pub fn validate(&self) -> Result<(), String> {
         let places = self.levels.iter().filter_map(|r| r.cheapest);
@@ -284,14 +288,14 @@ impl ChoiceRecord {
     }
 }
 
-/// What the record of this study has of its own.
+/// The part of a record that is specific to a study of model choice.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ChooseRecord {
-    /// The answer, and how it was found.
+    /// The choice, and the data that it follows from.
     pub choice: ChoiceRecord,
 }
 
-/// What the study says of a record.
+/// Returns the report of a study of model choice.
 pub(super) fn report(choice: &ChoiceRecord) -> Result<StudyReport, DrawError> {
     Ok(StudyReport {
         finding: tables::finding(choice),

@@ -1,4 +1,4 @@
-//! Answer, reason and hierarchy of a choice.
+//! Finding and tables of a model choice: choice, reasons, hierarchy of models and candidates.
 
 use super::{Adequacy, ChoiceRecord, ForceStatistics, LevelRecord, Verdict};
 use crate::markup::table::Table;
@@ -6,7 +6,7 @@ use crate::markup::{glance, note, prose, section};
 use crate::numbers::{counted, limit, per_cent, quantity};
 use maud::{Markup, html};
 
-/// The answer.
+/// Returns the sentences with the choice and its error.
 pub fn finding(choice: &ChoiceRecord) -> Vec<Markup> {
     let asked = format!("{} within {}", choice.metric_title, limit(choice.tolerance));
     let least = choice.predicted_error.map(|e| per_cent(e, 2));
@@ -35,7 +35,7 @@ pub fn finding(choice: &ChoiceRecord) -> Vec<Markup> {
     sentences
 }
 
-/// The yardstick, its own error, and distances to the references of the scene.
+/// Returns the sentences on the yardstick, its own error, and distances to the references of the scene.
 fn yardstick(choice: &ChoiceRecord) -> Markup {
     let to =
         |x: Option<f64>, of: &str| x.map(|x| format!("the {of} is {} from it", per_cent(x, 2)));
@@ -51,7 +51,7 @@ fn yardstick(choice: &ChoiceRecord) -> Markup {
     }
 }
 
-/// Predicted error and cost of the choice.
+/// Returns the sentence on predicted error and cost of the choice.
 fn predicted(choice: &ChoiceRecord) -> Option<Markup> {
     let (error, cost) = (choice.predicted_error?, choice.predicted_cost_s?);
     Some(html! {
@@ -65,7 +65,7 @@ fn predicted(choice: &ChoiceRecord) -> Option<Markup> {
     })
 }
 
-/// Reason, warnings and the hierarchy.
+/// Returns the tables with reasons, warnings and hierarchy.
 pub fn tables(choice: &ChoiceRecord) -> Markup {
     html! {
         (section("Reason", html! { @for sentence in &choice.reason { p { (prose(sentence)) } } }))
@@ -135,7 +135,7 @@ fn hierarchy(choice: &ChoiceRecord) -> Markup {
     )
 }
 
-/// Statistics of the contact force of all levels, where its history does not repeat.
+/// Returns the statistics of the contact force of all levels, for a history that is not repeatable.
 fn statistics(levels: &[&LevelRecord]) -> Markup {
     let known: Vec<(&str, ForceStatistics)> = (levels.iter())
         .filter_map(|r| Some((r.name.as_str(), r.statistics?)))

@@ -1,4 +1,4 @@
-//! Whether an estimated error keeps a tolerance where the yardstick has an error of its own.
+//! Verdict on an estimated error under a tolerance, where the yardstick has an error of its own.
 //!
 //! With the estimated error `E` against the yardstick, the yardstick's own error `Y` and the tolerance `T`, the error against
 //! the truth lies between `E - Y` and `E + Y`:
@@ -13,36 +13,36 @@ use crate::words::words;
 use serde::{Deserialize, Deserializer};
 
 words! {
-    /// The answer of a choice.
+    /// Verdict of a model choice.
     pub enum Verdict {
         /// A candidate keeps the tolerance.
         Adequate = "adequate",
-        /// The yardstick cannot decide whether anything that was tried keeps the tolerance.
+        /// The yardstick cannot decide whether any candidate keeps the tolerance.
         #[default]
         NotDecided = "not decided",
-        /// Nothing that was tried keeps the tolerance.
+        /// No candidate keeps the tolerance.
         NoneAdequate = "none adequate",
     }
 }
 
-/// Whether a model keeps the tolerance.
+/// Adequacy of a model under the tolerance.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
 pub enum Adequacy {
-    /// It does.
+    /// The model keeps the tolerance.
     #[serde(rename = "adequate")]
     Adequate,
     /// The error of the yardstick is too large to decide.
     #[default]
     #[serde(rename = "not decided")]
     NotDecided,
-    /// It does not.
+    /// The model exceeds the tolerance.
     #[serde(rename = "not adequate")]
     NotAdequate,
 }
 
 impl Adequacy {
-    /// Adequacy of an estimated error under the yardstick's own error and a tolerance; of a run without an error, which is
-    /// infinite, nothing is adequate.
+    /// Returns the adequacy of an estimated error under the yardstick's own error and a tolerance. An infinite error,
+    /// that of a run without one, is never adequate.
     #[must_use]
     pub fn of(error: f64, own: f64, tolerance: f64) -> Adequacy {
         if !error.is_finite() {
@@ -56,7 +56,7 @@ impl Adequacy {
         }
     }
 
-    /// The word of the format and of the report.
+    /// Returns the word of the format and of the report.
     #[must_use]
     pub fn as_str(self) -> &'static str {
         match self {
@@ -100,7 +100,7 @@ impl<'de> Deserialize<'de> for Adequacy {
 mod tests {
     use super::Adequacy;
 
-    /// The three answers, at their bounds, without a known error of the yardstick, and of failed runs.
+    /// The three verdicts at their bounds, without a known error of the yardstick, and for failed runs.
     #[test]
     fn the_yardsticks_own_error_bounds_what_is_decided() {
         for (error, own, expected) in [

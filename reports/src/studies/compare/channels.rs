@@ -1,5 +1,4 @@
-//! Histories that a reference from a table has beside contact force and speeds: transmission error, angles, torques,
-//! forces of further meshes.
+//! Chart of further histories of a tabulated reference: transmission error, angles, torques, forces of further meshes.
 
 use super::histories::Histories;
 use crate::csv_table::named_unit;
@@ -10,7 +9,7 @@ use crate::metrics::TRANSMISSION_ERROR;
 use crate::numbers::Prefix;
 use crate::view::View;
 
-/// A panel for each further history of the references that come from tables, with the runs that have it.
+/// Draws a panel for each further history of tabulated references, with the runs that have it.
 pub fn channels(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
     let tables = (view.results.references.iter()).filter(|r| !r.processing.is_empty());
     let mut names: Vec<&str> = Vec::new();

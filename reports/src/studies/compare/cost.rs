@@ -1,4 +1,4 @@
-//! What runs cost: processor time per run, and error against processor time. Failures are drawn as failures.
+//! Cost of runs: processor time per run, and error over processor time. Failed runs are drawn as failures.
 
 use crate::drawing::Chart;
 use crate::drawing::axis::{Axis, Frame, TICK_SIZE};
@@ -22,7 +22,7 @@ fn measured(run: &Run) -> bool {
     run.cost_s().is_finite() && run.cost_s() > 0.0
 }
 
-/// Bars of processor time, one per run, sorted within each model.
+/// Draws bars of processor time, one per run, sorted within each model.
 pub fn runtime(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
     let times: Vec<f64> = (view.results.runs.iter())
         .filter(|r| !r.status.is_failure() && measured(r))
@@ -141,7 +141,7 @@ fn bar(c: &mut Canvas<'_>, frame: &Frame, run: &Run, style: usize, y: f64, prefi
     c.text(&text, (rect.x1 + 7.0, middle), kind);
 }
 
-/// Error against processor time, one point per run.
+/// Draws the error over processor time, a point per run.
 pub fn accuracy(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
     let Some(against) = &view.against else {
         return Ok(None);

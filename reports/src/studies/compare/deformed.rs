@@ -1,4 +1,4 @@
-//! Deformed teeth at peak force: sections of flanks with their displacements magnified.
+//! Picture of deformed teeth at peak force: sections of flanks with magnified displacements.
 
 use crate::drawing::Chart;
 use crate::drawing::axis::nice_step;
@@ -11,10 +11,10 @@ use crate::record::{ContactSnapshot, DeformedSection, Run};
 use crate::view::View;
 
 const HEIGHT: f64 = 430.0;
-/// The largest displacement as it is drawn, over the half width of the picture.
+/// Drawn length of the largest displacement over the half width of the picture.
 const SHOWN: f64 = 0.09;
 
-/// A round number not above `x`.
+/// Returns a round number not above `x`.
 fn round_below(x: f64) -> f64 {
     let power = 10f64.powf(x.log10().floor());
     let lead = [5.0, 2.0, 1.0].into_iter().find(|m| m * power <= x);
@@ -26,7 +26,7 @@ fn largest(sections: &[DeformedSection]) -> f64 {
     all.map(|d| d[0].hypot(d[1])).fold(0.0, f64::max)
 }
 
-/// The model with most nodes on its deformed flanks.
+/// Returns the model with most nodes on its deformed flanks.
 pub fn deformed(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
     let mut best: Option<(&str, usize, &Run, &ContactSnapshot)> = None;
     let nodes = |s: &ContactSnapshot| s.deformed.iter().map(|d| d.points.len()).sum::<usize>();
@@ -112,7 +112,7 @@ pub fn deformed(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
     }))
 }
 
-/// Sections by tooth of a gear.
+/// Returns the sections of a gear grouped by tooth.
 fn teeth(sections: &[DeformedSection]) -> Vec<Vec<&DeformedSection>> {
     let mut teeth: Vec<Vec<&DeformedSection>> = Vec::new();
     for s in sections {
@@ -125,7 +125,7 @@ fn teeth(sections: &[DeformedSection]) -> Vec<Vec<&DeformedSection>> {
     teeth
 }
 
-/// A tooth from the root of its one flank over the tip to the root of the other, still and moved.
+/// Returns the outline of a tooth from one root over the tip to the other root, undeformed and deformed.
 fn outline(sections: &[&DeformedSection], times: f64) -> (Vec<[f64; 2]>, Vec<[f64; 2]>) {
     let (mut still, mut moved) = (Vec::new(), Vec::new());
     for (i, s) in sections.iter().enumerate() {
@@ -141,7 +141,7 @@ fn outline(sections: &[&DeformedSection], times: f64) -> (Vec<[f64; 2]>, Vec<[f6
     (still, moved)
 }
 
-/// How long a length is on the page, and how long a displacement.
+/// Paints the scale bars of lengths and of displacements.
 fn bars(c: &mut Canvas<'_>, area: &Rect, scale: f64, times: f64, most: f64) {
     let rows = [
         (nice_step(55.0 / scale), scale, "length"),

@@ -1,8 +1,7 @@
-//! The finding in plain words, computed from the record: what models are compared with, which is enough, what each is off,
-//! what they cost.
+//! The finding of a comparison in sentences: yardstick, cheapest adequate model, errors and costs.
 //!
-//! Errors of models and errors of integration never stand in one sentence. Where nothing but each model's own converged
-//! solution is there, the finding is about the integration alone, and says so.
+//! Errors of models and errors of integration are never in one sentence. If the record has only each model's own
+//! converged solution to compare with, the finding is about the integration alone and states this.
 
 use super::{Kind, Yardstick};
 use crate::markup::failed_of;
@@ -12,7 +11,7 @@ use crate::studies::choose::Adequacy;
 use crate::view::{INTEGRATION, View, capital, resolution};
 use maud::{Markup, html};
 
-/// The sentences.
+/// Returns the sentences of the finding.
 pub fn finding(view: &View<'_>) -> Vec<Markup> {
     let mut sentences: Vec<Markup> = view.yardstick.iter().map(|y| yardstick(y)).collect();
     sentences.push(cheapest(view));
@@ -28,7 +27,7 @@ pub fn finding(view: &View<'_>) -> Vec<Markup> {
     sentences
 }
 
-/// What models are compared with, and how far that is off itself.
+/// Returns the sentence on the yardstick and its own error.
 fn yardstick(y: &Yardstick) -> Markup {
     let what = match y.kind {
         Kind::Stored => "",
@@ -71,7 +70,7 @@ fn cheapest(view: &View<'_>) -> Markup {
     }
 }
 
-/// Of a scene that says nothing of how accurate models have to be.
+/// Returns the sentence for a scene without tolerance.
 fn no_limit(view: &View<'_>) -> Markup {
     let by_integration = view
         .results
@@ -89,7 +88,7 @@ fn no_limit(view: &View<'_>) -> Markup {
     }
 }
 
-/// A limit of a tolerance in words.
+/// Formats the limit of a tolerance with its metric.
 fn asked(view: &View<'_>, tolerance: &Tolerance) -> String {
     let most = match tolerance.metric.unit() {
         "" => limit(tolerance.limit),
@@ -102,7 +101,8 @@ fn asked(view: &View<'_>, tolerance: &Tolerance) -> String {
     )
 }
 
-/// Of models that nothing else is compared with: what their integration costs.
+/// Returns the sentence for models that are compared with their own converged solutions alone: the cost of their
+/// integration.
 fn of_integration(view: &View<'_>) -> Markup {
     let runs = view.results.runs.iter();
     let found = cheapest_of(runs.filter(|r| view.adequate(r)));
@@ -124,7 +124,7 @@ fn of_integration(view: &View<'_>) -> Markup {
     }
 }
 
-/// Which model is enough.
+/// Returns the sentence on the adequate models.
 fn within(view: &View<'_>, most: f64) -> Markup {
     let time = |r: &Run| quantity(r.cost_s(), "s", 3);
     let runs = || (view.results.runs.iter()).filter(|r| !view.is_yardstick(r));
@@ -178,7 +178,7 @@ fn within(view: &View<'_>, most: f64) -> Markup {
     }
 }
 
-/// The least error of each model, predictions and fits apart.
+/// Returns the sentences on the least error of each model, with predictions and fits apart.
 fn least(view: &View<'_>) -> Option<Markup> {
     let of = |fitted: bool| -> Vec<String> {
         (view.groups.iter())
@@ -205,8 +205,8 @@ fn least(view: &View<'_>) -> Option<Markup> {
     })
 }
 
-/// For every model but the first: the median ratio of its processor time to the first model's, over
-/// the runs at the same method and step that did not fail.
+/// Computes, for every model but the first, the median ratio of its processor time to the first model's, over the runs
+/// at the same method and step that did not fail.
 pub fn costs(view: &View<'_>) -> Vec<(String, f64)> {
     let Some((base, others)) = view.groups.split_first() else {
         return Vec::new();

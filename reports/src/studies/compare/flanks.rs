@@ -1,4 +1,4 @@
-//! Loads on flanks: maps at the peak and over the run, load over the width.
+//! Charts of loads on flanks: maps at the peak and over the run, load over the width.
 //!
 //! A flank is drawn with the face width across and the length of roll upwards, from the form circle to the tip.
 
@@ -22,14 +22,14 @@ const BELOW: f64 = 46.0;
 /// Space of the ordinate at the left and of the colour bar at the right.
 const LEFT: f64 = 62.0;
 const BAR: f64 = 92.0;
-/// Between maps.
+/// Gap between the maps on the page.
 const GAP: f64 = 14.0;
-/// Teeth of a model that are shown.
+/// Largest number of teeth per model in a map.
 const MOST_TEETH: usize = 4;
 /// Height of a line of contact on a map.
 const LINE: f64 = 5.0;
 
-/// A model whose flanks are known at its peak.
+/// Flank loads of a model at its peak force.
 struct Borne<'a> {
     label: &'a str,
     style: usize,
@@ -38,7 +38,7 @@ struct Borne<'a> {
     time: f64,
 }
 
-/// The first model, and beside it the one with most contacts, each with the flanks of its first mesh that bear most.
+/// Returns the first model and the one with most contacts, each with its most loaded flanks.
 fn chosen<'a>(view: &'a View<'a>) -> Vec<Borne<'a>> {
     let mut all: Vec<Borne<'a>> = Vec::new();
     for group in &view.groups {
@@ -73,7 +73,7 @@ fn chosen<'a>(view: &'a View<'a>) -> Vec<Borne<'a>> {
     all
 }
 
-/// Teeth in contact, the one that bears most first, in the order of their numbers.
+/// Returns the teeth in contact with the largest loads, in the order of their numbers.
 fn teeth(load: &FlankLoad) -> Vec<i64> {
     let mut forces: Vec<(i64, f64)> = Vec::new();
     for p in &load.patches {
@@ -96,13 +96,13 @@ fn unit(value: FlankValue) -> (&'static str, &'static str) {
     }
 }
 
-/// The axes of a flank, in millimetres.
+/// Returns the axes of a flank, in millimetres.
 fn axes(load: &FlankLoad) -> [Axis; 2] {
     let mm = |ends: [f64; 2]| Axis::linear(1e3 * ends[0], 1e3 * ends[1]);
     [mm(load.width_m), mm(load.roll_m)]
 }
 
-/// A flank: ground, axes, what `paint` fills in, edge.
+/// Paints the map of a flank: background, axes, the content that `paint` draws, edge.
 fn map(
     c: &mut Canvas<'_>,
     (load, area, first): (&FlankLoad, Rect, bool),
@@ -137,7 +137,7 @@ fn map(
     );
 }
 
-/// The colours beside the maps of a model.
+/// Paints the colour bar next to the maps of a model.
 fn bar(c: &mut Canvas<'_>, (y0, y1): (f64, f64), value: FlankValue, greatest: f64) {
     const PARTS: usize = 48;
     let x = WIDTH - BAR + 8.0;
@@ -167,7 +167,7 @@ fn bar(c: &mut Canvas<'_>, (y0, y1): (f64, f64), value: FlankValue, greatest: f6
     );
 }
 
-/// A patch on the page; lines keep a height that is seen.
+/// Paints a patch of contact; a contact line has a visible least height.
 fn patch(c: &mut Canvas<'_>, frame: &Frame, p: &FlankPatch, greatest: f64) {
     let half = p.size_m.map(|s| 0.5e3 * s);
     let (x, y) = (1e3 * p.height_m, 1e3 * p.roll_m);
@@ -192,7 +192,7 @@ fn heading(c: &mut Canvas<'_>, b: &Borne<'_>, y: f64, tail: &str) {
     c.text(&text, (21.0, y), Type::new(13.5, Anchor::Start).bold());
 }
 
-/// Flanks at the peak, one map for each tooth in contact.
+/// Draws the flanks at the peak, one map for each tooth in contact.
 fn at_peak(all: &[Borne<'_>]) -> Result<Chart, DrawError> {
     let row = ABOVE + MAP + BELOW;
     let title = "Load on the flanks at peak force";
@@ -243,7 +243,7 @@ fn at_peak(all: &[Borne<'_>]) -> Result<Chart, DrawError> {
     })
 }
 
-/// The greatest load at each place of a flank over the run.
+/// Draws the greatest load at each place of a flank over the run.
 fn over_run(all: &[Borne<'_>]) -> Result<Option<Chart>, DrawError> {
     let shown: Vec<_> = (all.iter())
         .filter_map(|b| Some((b, b.load.over_run.as_ref().filter(|g| g.instants > 1)?)))
@@ -291,7 +291,7 @@ fn over_run(all: &[Borne<'_>]) -> Result<Option<Chart>, DrawError> {
     }))
 }
 
-/// Maps at the peak and over the run, load over the width; none where no run knows its flanks.
+/// Draws maps at the peak and over the run, and the load over the width; empty if no run has flank loads.
 pub fn flanks(view: &View<'_>) -> Result<Vec<Chart>, DrawError> {
     let all = chosen(view);
     if all.is_empty() {

@@ -1,5 +1,5 @@
-//! What a reader looks at first: the results of each model next to those of the yardstick, and the error of integration of
-//! each model in a table of its own.
+//! Tables at a glance: results of each model compared with those of the yardstick, and, in a table of its own, the
+//! error of the integration of each model.
 
 use super::finding::costs;
 use crate::markup::table::Table;
@@ -17,7 +17,7 @@ struct Row<'a> {
     of: Option<(&'a Group<'a>, &'a Run)>,
 }
 
-/// The results that a reference has itself.
+/// Returns the metrics of a reference itself.
 fn of_reference<'a>(view: &View<'a>) -> Option<Row<'a>> {
     let reference = view.reference()?;
     let end = *reference.series.time_s.last()?;
@@ -30,7 +30,7 @@ fn of_reference<'a>(view: &View<'a>) -> Option<Row<'a>> {
     })
 }
 
-/// One line per model, the yardstick first.
+/// Returns the table with a row per model, the yardstick first.
 pub fn glance(view: &View<'_>) -> Markup {
     if view.groups.is_empty() {
         return Markup::default();
@@ -148,7 +148,7 @@ pub fn glance(view: &View<'_>) -> Markup {
     }
 }
 
-/// The least error of each model against every reference that is not the yardstick.
+/// Returns the table with the least error of each model against every reference that is not the yardstick.
 fn others(view: &View<'_>) -> Markup {
     let compared = |id: &str| view.results.runs.iter().any(|r| r.against(id).is_some());
     let further = (view.results.references.iter())
@@ -183,13 +183,13 @@ fn others(view: &View<'_>) -> Markup {
     plain("Other references", html! { (table) (note(remark)) })
 }
 
-/// Method and step of a run.
+/// Returns method and step of a run.
 fn named(run: &Run) -> String {
     format!("{}, {}", run.integrator, resolution(run))
 }
 
-/// The error of integration of each model: its most accurate and its cheapest converged run against its own converged
-/// solution.
+/// Returns the table of integration errors: the most accurate and the cheapest converged run of each model against its
+/// own converged solution.
 fn integration<'a>(view: &View<'a>) -> Markup {
     let metric = Metric::ForceL1;
     let own = |r: &Run| r.against(SELF)?.get(metric).map(f64::abs);

@@ -1,7 +1,7 @@
-//! Contact force and angular velocities over time: one run per model, with the reference.
+//! Charts of contact force and angular velocities over time: one run per model, with the reference.
 //!
-//! A quantity that meshes (or gears) of a scene have each their own history of is drawn in one of two layouts: a panel for
-//! each model with all meshes in it, or, where a panel would hold too many curves, a panel for each mesh with all models.
+//! A quantity with a history per mesh (or gear) has one of two layouts: a panel for each model with all meshes, or,
+//! where a panel would have too many curves, a panel for each mesh with all models.
 
 use super::window::{TimeAxis, busy_window, contact_window, peak_of, time_axis};
 use crate::drawing::Chart;
@@ -15,54 +15,54 @@ use crate::record::{ReferenceSeries, Run};
 use crate::series::{TimeSeries, resample};
 use crate::view::View;
 
-/// A run that a history chart shows.
+/// A run that is drawn in a chart of histories.
 struct Drawn<'a> {
     run: &'a Run,
     history: usize,
 }
 
-/// Meshes or gears whose curves one panel shows at most: more of them cannot be told apart.
+/// Largest number of meshes or gears whose curves share a panel; more cannot be distinguished.
 const MOST_OVERLAID: usize = 4;
 
-/// A mesh or a gear, and the column that a quantity of it stands in.
+/// A mesh or a gear, and the column of a quantity of it.
 pub(super) struct Member {
-    /// Its name; empty where a scene has but one.
+    /// Name of the mesh or gear; empty if the scene has one only.
     pub name: String,
     pub column: String,
-    /// Place of its look, behind those of all models.
+    /// Index of its look, after those of all models.
     pub style: usize,
 }
 
 /// A history with its look.
 pub(super) struct History<'a> {
     pub label: String,
-    /// It is a reference that is a run of the record.
+    /// True if it is a reference that is a run of the record.
     pub is_copy: bool,
     pub series: &'a TimeSeries,
-    /// Of a reference, its histories at other times.
+    /// Further histories of a reference, at other times.
     pub further: &'a [TimeSeries],
     pub stroke: Stroke,
     /// Place of its model; none of a reference.
     pub style: Option<usize>,
 }
 
-/// What both history charts share.
+/// Curves, time axes and names that all charts of histories share.
 pub(super) struct Histories<'a> {
     reference: Option<&'a ReferenceSeries>,
     runs: Vec<Drawn<'a>>,
     /// The reference first, then one run per model.
     pub curves: Vec<History<'a>>,
     pub time: TimeAxis,
-    /// A window to look into when the whole is too busy to read.
+    /// Short time interval for a close-up, if the whole history is too dense to read.
     pub zoom: Option<TimeAxis>,
     /// Names of the gears of each mesh, of scenes with several.
     meshes: Vec<[String; 2]>,
-    /// Number of models, whose looks come first.
+    /// Number of models, whose looks have the first indices.
     models: usize,
 }
 
 impl<'a> History<'a> {
-    /// Its histories, of a reference also those at other times.
+    /// Returns all series of the history, for a reference including those at other times.
     pub fn all_series(&self) -> impl Iterator<Item = &'a TimeSeries> {
         std::iter::once(self.series).chain(self.further)
     }
@@ -71,14 +71,14 @@ impl<'a> History<'a> {
         !self.series.contact_force_n.is_empty()
     }
 
-    /// Times and values of a column, of the first of its series that has it.
+    /// Returns times and values of a column, from the first of its series that has it.
     fn column(&self, name: &str) -> Option<(&'a [f64], &'a [f64])> {
         let mut all = self.all_series();
         all.find_map(|s| Some((s.time_s.as_slice(), column(s, name)?)))
     }
 }
 
-/// The values of a column, of the standard ones or a further one; a column that a reference does not have is none.
+/// Returns the values of a standard or further column; `None` if a reference lacks it.
 fn column<'s>(series: &'s TimeSeries, name: &str) -> Option<&'s [f64]> {
     let mut columns = series.named_columns();
     columns.find_map(|(n, values)| (n == name && !values.is_empty()).then_some(values))
@@ -164,7 +164,8 @@ impl<'a> Histories<'a> {
         Some(found)
     }
 
-    /// Times and contact forces of all histories: of the first mesh, and of the others where panels show them.
+    /// Returns times and contact forces of all histories: of the first mesh, and of further meshes where panels show
+    /// them.
     fn forces(&self) -> Vec<(&'a [f64], &'a [f64])> {
         let meshes = self.meshes_with("contact_force", "_n");
         let shown = match overlay(meshes.len()) {
@@ -180,7 +181,8 @@ impl<'a> Histories<'a> {
         self.curves.iter().flat_map(of).collect()
     }
 
-    /// The meshes of the scene with the columns of a quantity, whose names consist of a beginning and an ending.
+    /// Returns the meshes of the scene with the columns of a quantity, whose names consist of a beginning and an
+    /// ending.
     pub fn meshes_with(&self, begin: &str, end: &str) -> Vec<Member> {
         let first = Member {
             name: String::new(),
@@ -201,7 +203,8 @@ impl<'a> Histories<'a> {
         self.meshes.iter().enumerate().map(member).collect()
     }
 
-    /// Gears with columns of a quantity; the name of such a column begins with that of the quantity and ends with a unit.
+    /// Returns the gears with columns of a quantity; the name of such a column begins with that of the quantity and
+    /// ends with a unit.
     pub fn gears_with(&self, begin: &str, unit: &str) -> Vec<Member> {
         let first = self.models + self.meshes.len();
         let mut found: Vec<Member> = Vec::new();
@@ -221,7 +224,7 @@ impl<'a> Histories<'a> {
         found
     }
 
-    /// Number of models that have any of these columns.
+    /// Returns the number of models that have any of these columns.
     pub fn models_with(&self, members: &[Member]) -> usize {
         let has = |c: &&History<'_>| members.iter().any(|m| c.column(&m.column).is_some());
         self.curves
@@ -231,7 +234,7 @@ impl<'a> Histories<'a> {
             .count()
     }
 
-    /// Least and greatest value of some columns, and zero.
+    /// Returns least and greatest value of some columns, zero included.
     pub fn extremes(&self, members: &[Member]) -> (f64, f64) {
         let all = || {
             self.curves
@@ -244,7 +247,7 @@ impl<'a> Histories<'a> {
         extremes(values.copied().chain([0.0]))
     }
 
-    /// A panel for each history with the curves of all members in it.
+    /// Returns a panel for each history with the curves of all members in it.
     pub fn by_model(
         &self,
         members: &[Member],
@@ -264,7 +267,7 @@ impl<'a> Histories<'a> {
         own.filter_map(of).collect()
     }
 
-    /// A panel for each member with the curves of all histories in it.
+    /// Returns a panel for each member with the curves of all histories in it.
     pub fn by_member(
         &self,
         members: &[Member],
@@ -288,7 +291,7 @@ impl<'a> Histories<'a> {
         peak_of(&self.forces())
     }
 
-    /// All curves of a column.
+    /// Returns the curves of a column for all histories.
     pub fn lines(
         &self,
         column: impl Fn(&TimeSeries) -> Option<&[f64]>,
@@ -305,7 +308,7 @@ impl<'a> Histories<'a> {
         self.curves.iter().filter_map(line).collect()
     }
 
-    /// A curve with its look. Busy overviews take thin full lines: dashes would be lost in them.
+    /// Returns a curve with its look. Dense overviews have thin solid lines, in which dashes would not be visible.
     fn curve(
         &self,
         (stroke, style): (Stroke, Option<usize>),
@@ -323,18 +326,18 @@ impl<'a> Histories<'a> {
     }
 }
 
-/// Whether one panel shows so many meshes or gears.
+/// True if one panel shows all of so many meshes or gears.
 pub(super) fn overlay(members: usize) -> bool {
     (2..=MOST_OVERLAID).contains(&members)
 }
 
-/// Entries of a legend for members.
+/// Returns the entries of a legend for members.
 pub(super) fn legend_of(members: &[Member]) -> impl Iterator<Item = Entry> + '_ {
     let entry = |m: &Member| Entry::history(&m.name, model_stroke(m.style), Some(m.style));
     members.iter().map(entry)
 }
 
-/// Whether a reference is a run of the record: it then has the run's label, `model` or `model-variant`.
+/// True if a reference is a run of the record: its id is then the run's label, `model` or `model-variant`.
 fn is_run(id: &str, run: &Run) -> bool {
     match &run.variant {
         None => run.model == id,
@@ -346,7 +349,7 @@ fn scaled(values: &[f64], factor: f64) -> Vec<f64> {
     values.iter().map(|x| x * factor).collect()
 }
 
-/// Contact force over time, and where the models miss the reference.
+/// Draws the contact force over time, and the deviations of the models from the reference.
 pub fn force(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
     let Some(h) = Histories::of(view) else {
         return Ok(None);
@@ -496,16 +499,16 @@ fn residual(
 /// Speed over the greatest of all gears below which a gear is at rest.
 const AT_REST: f64 = 1e-9;
 
-/// What names of further columns with the speed of a gear end in.
+/// Ending of the names of further columns with the speed of a gear.
 const SPEED: &str = "_rad_s";
 
-/// The speed of a gear by the name of its column, without the unit.
+/// Returns the name of a gear from the column of its speed, without the unit.
 fn speed<'s>(series: &'s TimeSeries, name: &str) -> Option<&'s [f64]> {
     let mut columns = series.named_columns();
     columns.find_map(|(n, values)| (n.strip_suffix(SPEED)? == name).then_some(values))
 }
 
-/// Speeds of all gears over time.
+/// Draws the speeds of all gears over time.
 pub fn speeds(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
     let Some(h) = Histories::of(view) else {
         return Ok(None);

@@ -1,4 +1,4 @@
-//! The meshing teeth at peak force, with the contact forces drawn.
+//! Picture of the meshing teeth at peak force, with the contact forces.
 
 use crate::drawing::Chart;
 use crate::drawing::axis::nice_step;
@@ -20,7 +20,7 @@ struct Picture<'a> {
     snapshot: &'a ContactSnapshot,
 }
 
-/// Up to two models side by side, each at its own peak force.
+/// Draws up to two models next to each other, each at its own peak force.
 pub fn mesh(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
     let mut pictures: Vec<Picture<'_>> = Vec::new();
     for group in &view.groups {
@@ -93,7 +93,7 @@ pub fn mesh(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
     }))
 }
 
-/// What part of the world a picture shows: centre and half width \[m\].
+/// Returns the section of the plane that the picture shows: centre and half width \[m\].
 fn focus(s: &ContactSnapshot) -> Option<((f64, f64), f64)> {
     let finite = |p: &&[f64; 2]| p[0].is_finite() && p[1].is_finite();
     let contacts: Vec<[f64; 2]> = (s.contacts.iter().map(|c| &c.point))
@@ -180,7 +180,7 @@ fn panel(c: &mut Canvas<'_>, p: &Picture<'_>, area: Rect) {
     c.frame(&area, Stroke::new(Ink::PALE, 1.0));
 }
 
-/// The point of a grid that lies deepest in a body: where its name has room.
+/// Returns the grid point deepest inside a body, where its name has space.
 fn deepest(body: &[(f64, f64)], area: &Rect) -> Option<(f64, f64)> {
     const ACROSS: i32 = 24;
     let inside = |(x, y): (f64, f64)| {
@@ -208,7 +208,7 @@ fn deepest(body: &[(f64, f64)], area: &Rect) -> Option<(f64, f64)> {
         .max_by(|a, b| depth(*a).total_cmp(&depth(*b)))
 }
 
-/// Forces of one tooth pair as one, where they act on the whole: many points of a flank would hide each other.
+/// Sums the forces of each tooth pair at one point, since the many contact points of a flank would cover each other.
 fn by_pair(contacts: &[ContactPoint]) -> Vec<ContactPoint> {
     let mut pairs: Vec<(ContactPoint, f64)> = Vec::new();
     for contact in contacts {
@@ -236,7 +236,7 @@ fn by_pair(contacts: &[ContactPoint]) -> Vec<ContactPoint> {
     pairs.into_iter().map(|(pair, _)| pair).collect()
 }
 
-/// Draws the force of every pair; the texts that go with them, each with the point it belongs to.
+/// Draws the force of every pair as an arrow and returns the texts, each with the point of its arrow.
 fn arrows(
     c: &mut Canvas<'_>,
     p: &Picture<'_>,

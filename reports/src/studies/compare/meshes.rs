@@ -1,4 +1,4 @@
-//! The contact forces of the meshes of a scene with several: a table, and its file.
+//! Contact forces of the meshes of a scene with several: a table and its CSV file.
 
 use crate::csv_table::{CsvTable, number};
 use crate::markup::table::Table;
@@ -8,7 +8,7 @@ use crate::record::{MeshForce, Run};
 use crate::view::View;
 use maud::{Markup, html};
 
-/// The table of the runs whose histories are drawn, one of each model.
+/// Returns the table of the runs whose histories are drawn, one of each model.
 pub fn table(view: &View<'_>) -> Markup {
     let drawn = view.groups.iter().filter_map(|g| Some((g, view.drawn(g)?)));
     let rows: Vec<(&str, usize, &MeshForce)> = drawn
@@ -51,7 +51,7 @@ pub fn table(view: &View<'_>) -> Markup {
     )
 }
 
-/// The same of all runs.
+/// Returns the CSV file with the forces of all meshes of all runs.
 pub fn csv(view: &View<'_>) -> Vec<CsvTable> {
     type Row<'a> = (&'a Run, &'a MeshForce);
     let rows: Vec<Row<'_>> = view.results.runs.iter().flat_map(pairs).collect();
@@ -74,7 +74,7 @@ pub fn csv(view: &View<'_>) -> Vec<CsvTable> {
     )]
 }
 
-/// A run with each of its meshes.
+/// Returns each pair of a run and one of its meshes.
 fn pairs(run: &Run) -> Vec<(&Run, &MeshForce)> {
     run.mesh_forces.iter().map(|m| (run, m)).collect()
 }

@@ -1,4 +1,4 @@
-//! The study that compares models and integrators of a scene; other studies borrow its charts of histories.
+//! The study that compares models and integrators of a scene; other studies use its charts of histories.
 
 mod channels;
 mod cost;
@@ -25,18 +25,19 @@ use maud::html;
 use serde::{Deserialize, Serialize};
 pub use yardstick::{Kind, Yardstick};
 
-/// What the record of this study has of its own.
+/// The part of a record that is specific to a comparison.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct CompareRecord {
-    /// Where times of other programs were published, for [`crate::record::Run::published_s`].
+    /// Publication of the times of other programs, for [`crate::record::Run::published_s`].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub published: Option<String>,
-    /// What the models are compared with; absent where nothing but each model itself is there.
+    /// The yardstick of the comparison; absent where each model has only its own converged solution to be compared
+    /// with.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub yardstick: Option<Yardstick>,
 }
 
-/// What the study says of a record.
+/// Returns the report of a comparison.
 pub(super) fn report(view: &View<'_>, part: &CompareRecord) -> Result<StudyReport, DrawError> {
     let before = [
         histories::force(view)?,

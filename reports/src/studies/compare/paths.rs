@@ -1,4 +1,4 @@
-//! Where torque and power go in a train, and how planets share: tables, a chart over time, files.
+//! Paths of torque and power in a train, and load sharing of planets: tables, a chart over time, CSV files.
 
 use crate::csv_table::{CsvTable, number};
 use crate::drawing::Chart;
@@ -42,7 +42,7 @@ fn shown<'a>(view: &'a View<'a>) -> Vec<Shown<'a>> {
     view.groups.iter().filter_map(of).collect()
 }
 
-/// Rows of all models with their look.
+/// Returns the rows of all models, each with its run.
 fn rows<'a, R>(all: &[&'a Shown<'a>], of: fn(&TorquePaths) -> &[R]) -> Vec<(&'a Shown<'a>, &'a R)> {
     let each = |s: &&'a Shown<'a>| {
         let s = *s;
@@ -51,7 +51,7 @@ fn rows<'a, R>(all: &[&'a Shown<'a>], of: fn(&TorquePaths) -> &[R]) -> Vec<(&'a 
     all.iter().flat_map(each).collect()
 }
 
-/// Four digits; what is rounding beside what trains carry is zero.
+/// Formats a number with four digits; magnitudes below 1e-6 are zero.
 fn told(x: f64) -> String {
     match x.abs() < 1e-6 {
         true => "0".into(),
@@ -59,7 +59,7 @@ fn told(x: f64) -> String {
     }
 }
 
-/// The tables, where a scene has a train or shafts.
+/// Returns the tables of torque paths; empty for a scene without train and shafts.
 pub fn tables(view: &View<'_>) -> Markup {
     let all = shown(view);
     let Some(first) = all.first() else {
@@ -190,14 +190,14 @@ fn sharing(all: &[&Shown<'_>]) -> Markup {
     )
 }
 
-/// The force of a mesh over time.
+/// Returns the contact force of a mesh over time.
 fn force<'s>(series: &'s TimeSeries, gears: &[String; 2], first: bool) -> Option<&'s [f64]> {
     let name = force_column(gears, first);
     let mut columns = series.named_columns();
     columns.find_map(|(n, values)| (n == name).then_some(values))
 }
 
-/// Shares of planets over time, a panel for each gear that they mesh with; of the first model that has them.
+/// Draws the shares of planets over time, a panel for each gear that they mesh with, for the first model that has them.
 pub fn shares(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
     let all = shown(view);
     let with = all.iter().find(|s| {
@@ -286,7 +286,7 @@ pub fn shares(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
     .map(Some)
 }
 
-/// The same of all runs that have settled as files.
+/// Returns the CSV files with torque paths and load sharing of all runs that have settled.
 pub fn csv(view: &View<'_>) -> Vec<CsvTable> {
     let runs: Vec<(&Run, &TorquePaths)> = (view.results.runs.iter())
         .filter_map(|r| Some((r, r.paths.as_ref().filter(|p| p.has_settled())?)))

@@ -1,4 +1,4 @@
-//! Contact pressure over time, of runs whose flanks touch on half-spaces.
+//! Chart of the contact pressure over time, for runs with half-space contact.
 
 use super::histories::{Histories, History};
 use crate::drawing::Chart;
@@ -11,7 +11,7 @@ use crate::view::View;
 /// Column of the pressure of the first mesh, and of half the width of its contact.
 const PRESSURE: [&str; 2] = ["contact_pressure_pa", "contact_half_width_m"];
 
-/// Pressure and width of contact over time, where a run has them.
+/// Draws pressure and width of contact over time; `None` where no run has them.
 pub fn pressure(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
     let Some(h) = Histories::of(view) else {
         return Ok(None);

@@ -1,5 +1,5 @@
-//! How teeth move: their place in the backlash where they hammer, the error of the speed ratio, the deflection of movable
-//! teeth and the forces on them.
+//! Charts of the motion of teeth: position in the backlash of hammering gears, error of the speed ratio, deflection of
+//! movable teeth and the forces on them.
 
 use super::histories::{Histories, Member, legend_of, overlay};
 use crate::drawing::Chart;
@@ -15,13 +15,13 @@ use crate::view::View;
 
 /// A quantity of meshes or of gears.
 struct Quantity {
-    /// What its columns begin with.
+    /// Prefix of the columns of the quantity.
     begin: &'static str,
-    /// What panels call it.
+    /// Name of the quantity in panels.
     words: &'static str,
     /// Endings of its columns with their units; a quantity of meshes has none.
     units: &'static [(&'static str, &'static str)],
-    /// What the caption says of it.
+    /// Sentence of the caption that defines the quantity.
     meaning: &'static str,
 }
 
@@ -68,7 +68,7 @@ const QUANTITIES: [Quantity; 6] = [
     },
 ];
 
-/// Panels of the motion of teeth; none where no run has such a history.
+/// Draws the panels of the motion of teeth; `None` where no run has such a history.
 pub fn teeth(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
     let Some(h) = Histories::of(view) else {
         return Ok(None);
@@ -107,7 +107,7 @@ pub fn teeth(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
     chart("teeth.svg", title, said.join(" "), &legend, &drawn.panels).map(Some)
 }
 
-/// Panels, and what their legend has to name.
+/// Panels of a chart with the entries of its legend.
 #[derive(Default)]
 struct Drawn {
     panels: Vec<Panel>,

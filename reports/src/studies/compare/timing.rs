@@ -1,4 +1,4 @@
-//! What the models cost beside each other and beside full finite elements, with times that others publish.
+//! Processor times of the models compared with each other, with full finite elements and with published times.
 
 use super::CompareRecord;
 use crate::markup::table::Table;
@@ -11,13 +11,13 @@ use maud::{Markup, html};
 /// Coordinates from which on a model that keeps no modes is one of full finite elements.
 const FULL: usize = 100;
 
-/// What a model, or a reference from elsewhere, costs.
+/// Processor time of a model, or of a stored reference.
 struct Row<'a> {
     label: String,
     /// Integrator and step; of a reference that its time is its own.
     how: String,
     seconds: f64,
-    /// It is one of full finite elements.
+    /// True if the model is one of full finite elements.
     full: bool,
     run: Option<&'a Run>,
 }
@@ -46,7 +46,7 @@ fn rows<'a>(view: &View<'a>) -> Vec<Row<'a>> {
     models.chain(stored).collect()
 }
 
-/// Processor time by model; nothing without full finite elements and another model.
+/// Returns the table of processor times by model; empty without full finite elements or without another model.
 pub fn timing(view: &View<'_>, part: &CompareRecord) -> Markup {
     let rows = rows(view);
     let full = |r: &&Row<'_>| r.full;

@@ -1,4 +1,4 @@
-//! The transmission error over whole mesh cycles, and its amplitudes at the orders of the mesh.
+//! Chart of the transmission error over whole mesh cycles, and of its amplitudes at the orders of the mesh.
 
 use super::histories::{Histories, History};
 use crate::drawing::Chart;
@@ -10,13 +10,13 @@ use crate::metrics::trapezoid_weights;
 use crate::numbers::Prefix;
 use crate::view::View;
 
-/// Cycles that are drawn at most: the last ones.
+/// Largest number of cycles in the chart; it shows the last ones.
 const SHOWN: f64 = 3.0;
-/// Orders that are drawn.
+/// Number of orders in the chart.
 const ORDERS: usize = 10;
 
-/// The chart over the last whole cycles that all histories have, less the mean of each; none where no run lasts a whole
-/// cycle, or where the teeth hammer to and fro.
+/// Draws the chart over the last whole cycles that all histories have, less the mean of each; `None` where no run lasts
+/// a whole cycle, or where the gears hammer.
 pub(super) fn error(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
     let Some(h) = Histories::of(view) else {
         return Ok(None);

@@ -1,4 +1,4 @@
-//! The part of time that charts of histories show.
+//! The time interval that charts of histories show.
 
 use crate::drawing::axis::Axis;
 use crate::numbers::Prefix;
@@ -21,7 +21,8 @@ pub(super) fn time_axis(window: (f64, f64)) -> TimeAxis {
     }
 }
 
-/// The time in which something happens, by times and forces of all histories: all contact with a margin, or everything.
+/// Returns the time interval of a chart by times and forces of all histories: all contact with a margin, or the whole
+/// time.
 pub(super) fn contact_window(all: &[(&[f64], &[f64])]) -> (f64, f64) {
     let mut whole = (f64::INFINITY, f64::NEG_INFINITY);
     let mut contact = whole;
@@ -50,8 +51,8 @@ pub(super) fn peak_of(all: &[(&[f64], &[f64])]) -> f64 {
     (all.iter().flat_map(|(_, force)| *force)).fold(0.0_f64, |a, &f| a.max(f))
 }
 
-/// A window around the highest peak when the history is too busy to read as a whole: five
-/// contacts, or about eight oscillations about the mean.
+/// Returns a window around the highest peak when the history is too dense to read as a whole: five contacts, or about
+/// eight oscillations about the mean.
 pub(super) fn busy_window(s: &TimeSeries) -> Option<(f64, f64)> {
     let f = &s.contact_force_n;
     let n = f.len().min(s.time_s.len());

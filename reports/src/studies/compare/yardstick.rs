@@ -1,8 +1,9 @@
-//! The yardstick of a comparison: the history that all models are compared with, its own error, and whether a model is adequate.
+//! The yardstick of a comparison: the history that all models are compared with, its own error, and the adequacy of a
+//! model.
 //!
-//! With the error `e` of a run against the yardstick and the error `u` of the yardstick itself, both in the metric of the
-//! tolerance `T`, a model is adequate where `e + u <= T`, not adequate where `e - u > T`, and not decided between the two.
-//! Where `u` is not known nothing is called adequate.
+//! With the error `e` of a run against the yardstick and the error `u` of the yardstick itself, both in the metric of
+//! the tolerance `T`, a model is adequate where `e + u <= T`, not adequate where `e - u > T`, and not decided between
+//! the two. Where `u` is unknown no model is adequate.
 
 use crate::numbers::per_cent;
 use crate::record::not_a_number;
@@ -11,7 +12,7 @@ use crate::words::words;
 use serde::{Deserialize, Serialize};
 
 words! {
-    /// What a yardstick is.
+    /// Kind of a yardstick.
     pub enum Kind {
         /// A stored reference: measured, or computed by another program.
         #[default]
@@ -25,35 +26,35 @@ words! {
     }
 }
 
-/// What the models of a comparison are compared with.
+/// The history that the models of a comparison are compared with, and its own error.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Yardstick {
     /// Id of the reference, as in [`crate::record::Metrics::against`].
     pub id: String,
-    /// What it is.
+    /// Kind of the yardstick.
     pub kind: Kind,
-    /// Its name in a sentence.
+    /// Name of the yardstick in a sentence.
     pub title: String,
     /// Error of its integration, in the metric of the comparison [-].
     #[serde(default, skip_serializing_if = "not_a_number")]
     pub integration_error: Option<f64>,
-    /// Error of its truncated modes, likewise [-].
+    /// Error of its truncated modes, in the metric of the comparison [-].
     #[serde(default, skip_serializing_if = "not_a_number")]
     pub modes_error: Option<f64>,
-    /// Error of its mesh, likewise [-].
+    /// Error of its mesh, in the metric of the comparison [-].
     #[serde(default, skip_serializing_if = "not_a_number")]
     pub mesh_error: Option<f64>,
-    /// Their sum; absent where one of them is not known [-].
+    /// Sum of the three errors; absent where one of them is unknown [-].
     #[serde(default, skip_serializing_if = "not_a_number")]
     pub error: Option<f64>,
-    /// Why it is no better one, such as why no refined gears could be made.
+    /// Reason why there is no better yardstick, such as why no refined gears could be made.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub note: String,
 }
 
 impl Yardstick {
-    /// The verdict on an error under a limit. Stored references whose own error is not stated count as exact, and so do
-    /// models that the user names.
+    /// Returns the verdict on an error under a limit. Stored references without a stated error count as exact, and so
+    /// do models that the user names.
     pub fn verdict(&self, error: f64, limit: f64) -> Adequacy {
         let own = match (self.error, self.kind) {
             (Some(own), _) => own,
@@ -63,7 +64,7 @@ impl Yardstick {
         Adequacy::of(error, own, limit)
     }
 
-    /// What is known of its own error, for the end of a sentence.
+    /// Returns the clause on the yardstick's own error, for the end of a sentence.
     pub fn own_error(&self) -> String {
         let parts = [
             ("integration", self.integration_error),

@@ -1,4 +1,4 @@
-//! Errors of force and energy over the communication step, and how runs ended.
+//! Charts of errors of force and energy over the communication step, with the status of the runs.
 
 use super::{Coupling, CouplingCell, manners, models};
 use crate::drawing::Chart;
@@ -10,9 +10,9 @@ use crate::drawing::style::look;
 use crate::numbers::per_cent;
 use crate::studies::stability::{Cell, Columns, LineKind, Map, MapAxis, MapLine, overview};
 
-/// Errors below are drawn at this edge.
+/// Lower edge of the charts; smaller errors are drawn there.
 const LEAST: f64 = 1e-9;
-/// And above at this one: beyond, nothing of a run is left.
+/// Upper edge of the charts; larger errors are drawn there.
 const MOST: f64 = 10.0;
 
 /// Name of the abscissa of the map.
@@ -21,7 +21,7 @@ const STEP: &str = "communication step [\u{b5}s]";
 /// A quantity of a run.
 type Quantity = fn(&CouplingCell) -> Option<f64>;
 
-/// The charts of a study of coupling.
+/// Draws the charts of a study of coupling.
 pub fn charts(couplings: &[Coupling], limit: Option<f64>) -> Result<Vec<Chart>, DrawError> {
     let mut all = Vec::new();
     let force: Quantity = |c| c.force_l2;
@@ -68,7 +68,7 @@ pub fn charts(couplings: &[Coupling], limit: Option<f64>) -> Result<Vec<Chart>, 
     Ok(all)
 }
 
-/// A panel per manner of coupling, a curve per model.
+/// Draws a panel per method of coupling with a curve per model.
 fn errors(
     couplings: &[Coupling],
     (file, title, caption): (&str, &str, &str),
@@ -128,7 +128,7 @@ fn errors(
     chart(file, title, caption, &legend, &panels).map(Some)
 }
 
-/// A coupling as a map of one row.
+/// Makes a map of one row from a coupling.
 fn map(c: &Coupling) -> Map {
     let cell = |x: &CouplingCell| Cell {
         at: x.step_s,

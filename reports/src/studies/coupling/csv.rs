@@ -1,9 +1,9 @@
-//! The table of runs in two parts.
+//! CSV table of runs coupled to a host, a row per model and communication step.
 
 use super::{Coupling, CouplingCell};
 use crate::csv_table::{CsvTable, number};
 
-/// One line per run.
+/// Returns the table with a row per run.
 pub fn tables(couplings: &[Coupling]) -> Vec<CsvTable> {
     type Row<'a> = (&'a Coupling, &'a CouplingCell);
     let rows = (couplings.iter()).flat_map(|c| c.all().into_iter().map(move |cell| (c, cell)));

@@ -1,4 +1,4 @@
-//! The study of coupling: gears as a sub-system whose hubs a host moves, over the communication step.
+//! The study of coupling: gears as a sub-system whose hubs are moved by a host, over the communication step.
 
 mod charts;
 mod csv;
@@ -10,7 +10,7 @@ use crate::studies::StudyReport;
 use crate::view::View;
 pub use record::{Coupling, CouplingCell, CouplingRecord, Extrapolation, Motion};
 
-/// What the study says of a record.
+/// Returns the report of a study of coupling.
 pub(super) fn report(view: &View<'_>, couplings: &[Coupling]) -> Result<StudyReport, DrawError> {
     let limit = view.results.tolerance.as_ref().map(|t| t.limit);
     Ok(StudyReport {
@@ -23,12 +23,12 @@ pub(super) fn report(view: &View<'_>, couplings: &[Coupling]) -> Result<StudyRep
     })
 }
 
-/// The ways of coupling of a record, each once, in order.
+/// Returns the methods of coupling of a record, each once, in order.
 fn manners(couplings: &[Coupling]) -> Vec<String> {
     once(couplings.iter().map(Coupling::manner))
 }
 
-/// The models of a record, each once, in order.
+/// Returns the labels of the models of a record, each once, in order.
 fn models(couplings: &[Coupling]) -> Vec<String> {
     once(couplings.iter().map(Coupling::model_label))
 }

@@ -1,11 +1,11 @@
-//! The record of a study of coupling: models of a scene whose hubs a host moves, over the communication step.
+//! The record of a study of coupling: models of a scene whose hubs are moved by a host, over the communication step.
 
 use crate::record::{Results, Status, finite};
 use crate::studies::Part;
 use crate::words::words;
 use serde::{Deserialize, Serialize};
 
-/// What the record of this study has of its own.
+/// The part of a record that is specific to a study of coupling.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct CouplingRecord {
     /// Couplings, model by model.
@@ -13,7 +13,7 @@ pub struct CouplingRecord {
 }
 
 impl Results {
-    /// Couplings of models to a host; none in records of other studies.
+    /// Returns the couplings of models to a host; empty in records of other studies.
     pub fn couplings(&self) -> &[Coupling] {
         match &self.part {
             Part::Coupling(part) => &part.couplings,
@@ -23,9 +23,9 @@ impl Results {
 }
 
 words! {
-    /// How a host goes on with the forces on its hubs over a communication step.
+    /// Extrapolation of the forces on the hubs over a communication step, by the host.
     pub enum Extrapolation {
-        /// They hold their last value.
+        /// The last value is constant over the step.
         Constant = "constant",
         /// The line through the last two.
         Linear = "linear",
@@ -36,12 +36,12 @@ words! {
 }
 
 words! {
-    /// How the gears go from one place of a hub to the next.
+    /// Interpolation of the hubs' motion between two communication points, by the gears.
     pub enum Motion {
-        /// Along the line between both places.
+        /// The straight line between both positions.
         #[default]
         Linear = "linear",
-        /// Along the cubic through both places with both speeds.
+        /// The cubic through both positions with both velocities.
         Cubic = "cubic",
     }
 }
@@ -50,33 +50,34 @@ words! {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Coupling {
-    /// Model id.
+    /// Id of the model.
     pub model: String,
-    /// What sets this model apart from others of its id.
+    /// Variant that distinguishes the model from others of its id.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub variant: Option<String>,
-    /// Whether the modes that are cut are kept as residual compliance (elastic model).
+    /// True if the truncated modes are kept as residual compliance (elastic model).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub residual: Option<bool>,
-    /// Of the forces on hubs.
+    /// Extrapolation of the forces on the hubs.
     pub extrapolation: Extrapolation,
-    /// Of the motion of hubs.
+    /// Interpolation of the motion of the hubs.
     pub motion: Motion,
     /// Integrator of the gears.
     pub integrator: String,
-    /// Their step [s]; absent under a tolerance.
+    /// Fixed step of that integrator [s]; absent under a tolerance.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub step_s: Option<f64>,
     /// Natural frequency of the hubs on the static stiffness of the gears in contact [Hz].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub frequency_hz: Option<f64>,
-    /// Its damping ratio [-].
+    /// Damping ratio of that vibration [-].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub damping_ratio: Option<f64>,
     /// Time in contact of the run as one system [s].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub contact_s: Option<f64>,
-    /// Energy that errors of energy are told over: what vibrates and passes through contacts in the run as one system [J].
+    /// Reference energy of the energy errors [J]: the energy that vibrates and passes through contacts in the run as
+    /// one system.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub energy_j: Option<f64>,
     /// Communication step from which on linear theory has the coupling make up more energy than is allowed [s].
@@ -84,7 +85,7 @@ pub struct Coupling {
     pub theory_s: Option<f64>,
     /// Runs, from the smallest communication step to the largest.
     pub cells: Vec<CouplingCell>,
-    /// Runs that close in on the largest stable step, in the order they were made.
+    /// Runs that narrow the bracket of the largest stable step, in the order they were made.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub refined: Vec<CouplingCell>,
 }
@@ -95,9 +96,9 @@ pub struct Coupling {
 pub struct CouplingCell {
     /// Communication step [s].
     pub step_s: f64,
-    /// How it ended.
+    /// Status of the run.
     pub status: Status,
-    /// Why.
+    /// Reason of the status.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub message: Option<String>,
     /// Relative L2 error of the force history against the run as one system [-].
@@ -106,24 +107,25 @@ pub struct CouplingCell {
     /// Largest deviation of the last speed of a gear over the span of its speed [-].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rebound_rel: Option<f64>,
-    /// Work that the host took from extrapolated forces, less what the gears gave along their motion [J].
+    /// Energy error of the coupling [J]: work of the extrapolated forces on the host, less that of the gears along
+    /// their motion.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub energy_error_j: Option<f64>,
-    /// The same over the energy that vibrates [-].
+    /// Energy error of the coupling over the energy that vibrates [-].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub energy_error_rel: Option<f64>,
-    /// Its largest magnitude in one communication step, over the same [-].
+    /// Largest magnitude of the energy error in one communication step, over the energy that vibrates [-].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub energy_error_step_rel: Option<f64>,
     /// Simulated time reached [s].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reached_s: Option<f64>,
-    /// Communication steps.
+    /// Number of communication steps.
     pub exchanges: u64,
 }
 
 impl CouplingRecord {
-    /// Takes out what is not finite.
+    /// Removes all numbers that are not finite.
     pub(crate) fn keep_finite(&mut self) {
         for c in &mut self.couplings {
             for x in c.cells.iter_mut().chain(&mut c.refined) {
@@ -143,7 +145,7 @@ impl CouplingRecord {
 }
 
 impl Coupling {
-    /// The model with its variant.
+    /// Returns the label of the model with its variant.
     pub fn model_label(&self) -> String {
         match &self.variant {
             Some(variant) => format!("{}, {variant}", self.model),
@@ -151,7 +153,7 @@ impl Coupling {
         }
     }
 
-    /// Extrapolation and interpolation in words.
+    /// Returns extrapolation and interpolation in words.
     pub fn manner(&self) -> String {
         match self.motion {
             Motion::Linear => self.extrapolation.to_string(),
@@ -159,14 +161,14 @@ impl Coupling {
         }
     }
 
-    /// All runs by their communication step.
+    /// Returns all runs, ascending in communication step.
     pub fn all(&self) -> Vec<&CouplingCell> {
         let mut all: Vec<&CouplingCell> = self.cells.iter().chain(&self.refined).collect();
         all.sort_by(|a, b| a.step_s.total_cmp(&b.step_s));
         all
     }
 
-    /// The largest step up to which something holds of all runs, and the next one, of which it does not.
+    /// Returns the largest step up to which the condition holds for all runs, and the next one, for which it does not.
     fn up_to(&self, holds: impl Fn(Status) -> bool) -> [Option<f64>; 2] {
         let mut made = self.all();
         made.retain(|c| c.status != Status::Interrupted);
@@ -175,12 +177,12 @@ impl Coupling {
         [held.checked_sub(1).and_then(step), step(held)]
     }
 
-    /// The largest communication step up to which every run was within the tolerance, and the next one.
+    /// Returns the largest communication step up to which every run was within the tolerance, and the next one.
     pub fn accurate(&self) -> [Option<f64>; 2] {
         self.up_to(|s| s == Status::Converged)
     }
 
-    /// The largest communication step up to which every run held, and the next one.
+    /// Returns the largest communication step up to which no run failed, and the next one.
     pub fn stable(&self) -> [Option<f64>; 2] {
         self.up_to(|s| !s.is_failure())
     }

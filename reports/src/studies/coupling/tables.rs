@@ -6,7 +6,7 @@ use crate::markup::{glance, note, section};
 use crate::numbers::{per_cent, quantity, short};
 use maud::{Markup, html};
 
-/// A bracket in words.
+/// Formats a bracket of the largest step in words.
 fn up_to([held, next]: [Option<f64>; 2]) -> String {
     match (held, next) {
         (Some(h), Some(_)) => quantity(h, "s", 3),
@@ -42,7 +42,7 @@ pub fn finding(couplings: &[Coupling]) -> Vec<Markup> {
     all
 }
 
-/// Error of the force at a communication step, between those that were run; `None` outside, or where a run failed.
+/// Interpolates the error of the force at a communication step between runs; `None` outside, or where a run failed.
 fn error_at(c: &Coupling, step: f64) -> Option<f64> {
     let held = |x: &&CouplingCell| !x.status.is_failure();
     let points: Vec<(f64, f64)> = (c.all().into_iter().take_while(held))
@@ -54,7 +54,7 @@ fn error_at(c: &Coupling, step: f64) -> Option<f64> {
     Some((a + (at - x) / (y - x) * (b - a)).exp())
 }
 
-/// What residual compliance gains: elastic gears with and without it under the same coupling.
+/// Returns the sentence on the gain by residual compliance: elastic gears with and without it under the same coupling.
 fn gain(couplings: &[Coupling]) -> Option<Markup> {
     let of = |residual: bool| {
         let all = couplings
@@ -86,7 +86,7 @@ fn gain(couplings: &[Coupling]) -> Option<Markup> {
     })
 }
 
-/// Order of an error between the two smallest steps at which a run held.
+/// Computes the order of an error between the two smallest steps without failure.
 fn order(c: &Coupling, get: fn(&CouplingCell) -> Option<f64>) -> Option<f64> {
     let mut held = c.cells.iter().filter(|x| !x.status.is_failure());
     let (a, b) = (held.next()?, held.next()?);

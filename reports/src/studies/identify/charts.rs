@@ -1,4 +1,4 @@
-//! Data beside the fitted models, residuals, profiles.
+//! Charts of an identification: data with the fitted models, residuals, profiles.
 
 use super::tables::axis_names;
 use super::{DataKind, FitRecord};
@@ -9,7 +9,7 @@ use crate::drawing::legend::Entry;
 use crate::drawing::panel::{Curve, Panel, chart, extremes};
 use crate::drawing::style::{look, model_stroke, reference_stroke};
 
-/// The charts of a record.
+/// Draws the charts of a record.
 pub fn charts(fits: &[FitRecord]) -> Result<Vec<Chart>, DrawError> {
     let mut all = Vec::new();
     all.extend(fitted(fits)?);
@@ -17,7 +17,7 @@ pub fn charts(fits: &[FitRecord]) -> Result<Vec<Chart>, DrawError> {
     Ok(all)
 }
 
-/// Data sets by name in the order of appearance.
+/// Returns the names of the data sets in the order of appearance.
 fn names(fits: &[FitRecord]) -> Vec<&str> {
     let mut all: Vec<&str> = Vec::new();
     for d in fits.iter().flat_map(|f| &f.data) {

@@ -1,9 +1,9 @@
-//! The tables of an identification: parameters, residuals, profiles, histories that measured curves are compared with.
+//! CSV tables of an identification: parameters, residuals, profiles, and histories for measured curves.
 
 use super::{DataRecord, FitHistory, FitRecord, IdentifyRecord, ParameterRecord, ProfileRecord};
 use crate::csv_table::{CsvTable, number};
 
-/// The tables that a record has data for.
+/// Returns the tables that a record has data for.
 pub fn tables(part: &IdentifyRecord) -> Vec<CsvTable> {
     let fits = part.fits.as_slice();
     let mut all = vec![parameters(fits), fitted(fits), residuals(fits)];
@@ -97,7 +97,7 @@ fn profiles(fits: &[FitRecord]) -> CsvTable {
     )
 }
 
-/// The columns that any of the histories has, a row per time.
+/// Returns the table of histories with every column that any of them has, a row per time.
 fn histories(all: &[FitHistory]) -> CsvTable {
     let mut names: Vec<&str> = Vec::new();
     for (name, _) in all.iter().flat_map(|h| h.series.named_columns()) {

@@ -1,4 +1,5 @@
-//! The study of identification: estimates with their intervals, data beside the fitted model, what is not determined.
+//! The study of identification: estimates with their intervals, data compared with the fitted model, and undetermined
+//! parameters.
 
 mod charts;
 mod csv;
@@ -12,7 +13,7 @@ pub use record::{
     ParameterRecord, ProfileRecord,
 };
 
-/// What the study says of a record.
+/// Returns the report of an identification.
 pub(super) fn report(part: &IdentifyRecord) -> Result<StudyReport, DrawError> {
     let fits = &part.fits;
     Ok(StudyReport {

@@ -1,4 +1,5 @@
-//! Records of identification: what was fitted to what, how sure it is, and what the data do not tell.
+//! The record of an identification: fits, estimates with their intervals, and parameters that the data do not
+//! determine.
 
 use crate::record::Results;
 use crate::record::checks::{each, same_length};
@@ -7,13 +8,13 @@ use crate::studies::Part;
 use crate::words::words;
 use serde::{Deserialize, Serialize};
 
-/// What the record of this study has of its own.
+/// The part of a record that is specific to an identification.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct IdentifyRecord {
     /// Fits, one per model.
     pub fits: Vec<FitRecord>,
-    /// Runs of the scene that measured curves are compared with: each fitted model with its initial and with its identified
-    /// constants; none where nothing measured was given.
+    /// Runs of the scene that measured curves are compared with: each fitted model with its initial and with its
+    /// identified constants; empty without measured curves.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub histories: Vec<FitHistory>,
 }
@@ -21,10 +22,10 @@ pub struct IdentifyRecord {
 words! {
     /// Constants that a model of a fit ran with.
     pub enum ConstantSet {
-        /// Those that the fit started from.
+        /// Constants that the fit started from.
         #[default]
         Initial = "initial",
-        /// Those that it found.
+        /// Constants that the fit found.
         Identified = "identified",
     }
 }
@@ -35,14 +36,14 @@ words! {
 pub struct FitHistory {
     /// Label of the model in its scene.
     pub label: String,
-    /// Its constants.
+    /// Set of constants that the histories were computed with.
     pub constants: ConstantSet,
-    /// The histories.
+    /// Histories over the time of the scene.
     pub series: TimeSeries,
 }
 
 impl Results {
-    /// Fits; none in records of other studies.
+    /// Returns the fits; empty in records of other studies.
     pub fn fits(&self) -> &[FitRecord] {
         match &self.part {
             Part::Identify(part) => &part.fits,
@@ -52,14 +53,14 @@ impl Results {
 }
 
 words! {
-    /// What became of a parameter.
+    /// Outcome of the fit for one parameter.
     pub enum Outcome {
         /// The data determine it.
         #[default]
         Identified = "identified",
         /// The data would have it beyond a bound; its value is the bound.
         AtBound = "at bound",
-        /// It was not fitted; its value is what was given.
+        /// The parameter was held at its given value.
         Held = "held",
         /// The data do not determine it; it has no value.
         NotIdentifiable = "not identifiable",
@@ -67,7 +68,7 @@ words! {
 }
 
 words! {
-    /// What a data set says.
+    /// Quantity of a data set.
     pub enum DataKind {
         /// The contact force over time.
         #[default]
@@ -83,24 +84,24 @@ words! {
 pub struct FitRecord {
     /// Label of the model in its scene.
     pub label: String,
-    /// Its parameters.
+    /// Parameters of the fit, held ones included.
     pub parameters: Vec<ParameterRecord>,
     /// Correlation of the parameters that were fitted, in their order, a row each.
     pub correlation: Vec<Vec<f64>>,
-    /// Condition number of the sensitivities; absent where a combination changes nothing.
+    /// Condition number of the sensitivities; absent where a combination of parameters has no effect.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub condition: Option<f64>,
     /// Combinations of parameters that the data do not determine, in words.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub undetermined: Vec<String>,
-    /// Data that were fitted, and data held out for validation.
+    /// Data sets of the fit, and data sets held out for validation.
     pub data: Vec<DataRecord>,
-    /// Profiles.
+    /// Profiles of the sum of squares over single parameters.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub profiles: Vec<ProfileRecord>,
     /// Evaluations of the model on all data.
     pub evaluations: u32,
-    /// Starting points.
+    /// Number of starting points.
     pub starts: usize,
     /// Starting points that led to the same least sum of squares within 0.1 %.
     pub starts_agreed: usize,
@@ -112,30 +113,30 @@ pub struct FitRecord {
 pub struct ParameterRecord {
     /// Key as written in scenes, with the unit at its end.
     pub key: String,
-    /// Name in words.
+    /// Name of the parameter in words.
     pub name: String,
-    /// Unit.
+    /// Unit of the parameter.
     pub unit: String,
-    /// What became of it.
+    /// Outcome of the fit for this parameter.
     pub outcome: Outcome,
     /// Value; absent where the data do not determine it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub value: Option<f64>,
-    /// Ends of the 95 % interval; an absent one is open.
+    /// Lower end of the 95 % interval; absent where it is open.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub low: Option<f64>,
-    /// See `low`.
+    /// Upper end of the 95 % interval; absent where it is open.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub high: Option<f64>,
     /// Degrees of freedom of its variance.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub freedom: Option<f64>,
-    /// Whether the interval is that of a profile, because the problem is not linear over it.
+    /// True if the interval comes from a profile, because the problem is not linear over it.
     pub by_profile: bool,
 }
 
 impl ParameterRecord {
-    /// Half the interval over the value, where both ends are known.
+    /// Returns half the width of the interval over the magnitude of the value, where both ends are known.
     pub fn relative(&self) -> Option<f64> {
         let (low, high) = (self.low?, self.high?);
         let x = self.value.filter(|x| *x != 0.0)?;
@@ -143,27 +144,27 @@ impl ParameterRecord {
     }
 }
 
-/// Data and what the fitted model makes of them.
+/// A data set with the values of the fitted model at the same abscissa.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct DataRecord {
-    /// Name.
+    /// Name of the data set.
     pub name: String,
-    /// Whether it was held out.
+    /// True if the data were held out of the fit, for validation.
     pub validation: bool,
-    /// What it says.
+    /// Quantity of the data set.
     pub kind: DataKind,
     /// Weight of its residuals over their size.
     pub weight: f64,
-    /// Relative L2 error.
+    /// Relative L2 error of the fitted model against the data.
     pub l2: f64,
-    /// Error of the greatest force.
+    /// Relative error of the greatest force.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub peak_rel: Option<f64>,
-    /// Error of the impulse.
+    /// Relative error of the impulse.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub impulse_rel: Option<f64>,
-    /// Autocorrelation of the residuals at lag 1, of the process that they are a part of.
+    /// Autocorrelation at lag 1 of the noise process of which the residuals are a sample.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub correlation_lag1: Option<f64>,
     /// Order of that process.
@@ -173,17 +174,17 @@ pub struct DataRecord {
     pub abscissa: Vec<f64>,
     /// The data \[N, m/N\].
     pub data: Vec<f64>,
-    /// The model there.
+    /// Values of the fitted model at the abscissa \[N, m/N\].
     pub model: Vec<f64>,
 }
 
-/// How much worse a fit gets with one parameter held beside its estimate.
+/// Rise of the sum of squares of a fit with one parameter held away from its estimate.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct ProfileRecord {
     /// Key of the parameter.
     pub key: String,
-    /// Held values.
+    /// Values at which the parameter was held.
     pub value: Vec<f64>,
     /// Signed root of the scaled rise of the sum of squares.
     pub deviation: Vec<f64>,
@@ -192,7 +193,7 @@ pub struct ProfileRecord {
 }
 
 impl FitRecord {
-    /// What stands along the axis of a parameter: its name in words with its unit.
+    /// Returns the label of the axis of a parameter: its name in words with its unit.
     pub fn axis_name(&self, key: &str) -> String {
         match self.parameters.iter().find(|p| p.key == key) {
             Some(p) if p.unit.is_empty() => p.name.clone(),
@@ -213,7 +214,7 @@ impl FitRecord {
         })
     }
 
-    /// Takes out what is not finite.
+    /// Removes all numbers that are not finite.
     pub fn keep_finite(&mut self) {
         let finite = |x: Option<f64>| x.filter(|x| x.is_finite());
         self.condition = finite(self.condition);

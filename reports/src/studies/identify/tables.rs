@@ -6,7 +6,7 @@ use crate::markup::{glance, note, section};
 use crate::numbers::{per_cent, quantity, significant};
 use maud::{Markup, html};
 
-/// Correlation from which on two parameters are said to go together.
+/// Correlation from which on two parameters count as correlated.
 const TOGETHER: f64 = 0.95;
 
 pub fn finding(fits: &[FitRecord]) -> Vec<Markup> {
@@ -32,7 +32,7 @@ pub fn finding(fits: &[FitRecord]) -> Vec<Markup> {
     all
 }
 
-/// An interval as a reader wants it: both ends, in the unit of the value.
+/// Formats an interval: both ends, in the unit of the value.
 fn interval(p: &ParameterRecord) -> Option<String> {
     if p.outcome != Outcome::Identified {
         return None;
@@ -89,7 +89,7 @@ pub fn tables(fits: &[FitRecord]) -> Markup {
     }
 }
 
-/// Correlation of what was fitted, and how the fit was found.
+/// Returns the correlations of the fitted parameters, and the data on the fit itself.
 pub fn details(fits: &[FitRecord]) -> Markup {
     html! {
         @for f in fits {
@@ -139,7 +139,7 @@ fn how(f: &FitRecord) -> String {
     )
 }
 
-/// What stands along the abscissa of data.
+/// Returns the labels of abscissa and ordinate of a data set.
 pub fn axis_names(kind: DataKind) -> [&'static str; 2] {
     match kind {
         DataKind::Force => ["time [\u{b5}s]", "force [N]"],

@@ -1,4 +1,4 @@
-//! Pictures of modes: shares of energy as a table of cells, and gears turned and moved in the plane.
+//! Pictures of modes: shares of energy as a table of cells, and mode shapes of the gears in the plane.
 
 use super::{MemberPlace, MemberShape, ModeRecord, ModelModes};
 use crate::drawing::Chart;
@@ -14,7 +14,7 @@ const MOST_SHARES: usize = 24;
 const MOST_SHAPES: usize = 9;
 /// Columns of a picture of shares.
 const MOST_HOLDERS: usize = 14;
-/// Share that makes a column worth its place, and one that is written.
+/// Least share for a column to be in the picture, and for a number to be written in a cell.
 const SHOWN: f64 = 0.02;
 const WRITTEN: f64 = 0.005;
 /// Heights of a row, of the heads, and the width of the names of modes.
@@ -26,7 +26,7 @@ const AROUND: usize = 72;
 const ABREAST: usize = 3;
 const TALL: f64 = 210.0;
 
-/// The pictures of all models.
+/// Draws the pictures of all models.
 pub fn charts(vibrations: &[ModelModes]) -> Result<Vec<Chart>, DrawError> {
     let mut all = Vec::new();
     for v in vibrations {
@@ -40,7 +40,8 @@ pub fn charts(vibrations: &[ModelModes]) -> Result<Vec<Chart>, DrawError> {
     Ok(all)
 }
 
-/// Names of holders of an energy with their share by mode; those that hold next to nothing everywhere are left out.
+/// Returns the members or springs with their share of an energy by mode; those with negligible shares in all modes are
+/// left out.
 fn columns<'a>(
     names: impl Iterator<Item = &'a str>,
     modes: &[&ModeRecord],
@@ -131,7 +132,7 @@ fn paint_share(c: &mut Canvas<'_>, r: &Rect, share: f64, style: usize) {
     }
 }
 
-/// Gears of a plane in the first modes; none where axes stand across each other.
+/// Draws the gears of a plane in the first modes; `None` if axes are not parallel.
 fn shapes(v: &ModelModes, modes: &[&ModeRecord]) -> Result<Option<Chart>, DrawError> {
     let toothed: Vec<(&MemberPlace, usize)> = (v.members.iter().enumerate())
         .filter(|(_, p)| p.toothed)
@@ -199,7 +200,7 @@ fn shapes(v: &ModelModes, modes: &[&ModeRecord]) -> Result<Option<Chart>, DrawEr
     }))
 }
 
-/// A gear at rest and moved, with a mark that turns.
+/// Paints a gear in its initial and in its displaced position, with a mark that shows its turn.
 fn paint_gear(
     c: &mut Canvas<'_>,
     p: &MemberPlace,

@@ -1,9 +1,9 @@
-//! Tables of natural frequencies: modes with their shares of energy, and motions of members.
+//! CSV tables of natural frequencies: modes with their shares of energy, and motions of members.
 
 use super::{ModeRecord, ModelModes};
 use crate::csv_table::{CsvTable, number};
 
-/// A line per mode and holder of energy, and per mode and member.
+/// Returns the tables with a row per mode and member or spring.
 pub fn tables(vibrations: &[ModelModes]) -> Vec<CsvTable> {
     vec![
         frequencies(vibrations),
@@ -20,7 +20,7 @@ fn modes(vibrations: &[ModelModes]) -> impl Iterator<Item = Mode<'_>> {
 }
 
 impl ModelModes {
-    /// Its modes with their numbers, from 1.
+    /// Returns the modes of the model with their numbers, from 1.
     fn modes_of(&self) -> impl Iterator<Item = Mode<'_>> {
         (self.modes.iter().enumerate()).map(move |(i, m)| (self, i + 1, m))
     }

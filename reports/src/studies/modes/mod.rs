@@ -1,4 +1,4 @@
-//! The study of natural frequencies: frequencies and damping, where the energies of each mode lie, how gears move in it.
+//! The study of natural frequencies: frequencies and damping, distribution of the energies, and mode shapes.
 
 mod charts;
 mod csv;
@@ -9,7 +9,7 @@ use crate::drawing::canvas::DrawError;
 use crate::studies::StudyReport;
 pub use record::{About, MemberPlace, MemberShape, MeshState, ModeRecord, ModelModes, ModesRecord};
 
-/// What the study says of a record.
+/// Returns the report of natural frequencies.
 pub(super) fn report(vibrations: &[ModelModes]) -> Result<StudyReport, DrawError> {
     Ok(StudyReport {
         finding: tables::finding(vibrations),

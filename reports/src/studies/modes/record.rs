@@ -1,4 +1,4 @@
-//! The record of natural frequencies: the state that they are about, and what swings how in each mode.
+//! The record of natural frequencies: the state of linearisation, frequencies, shapes and energies of the modes.
 
 use crate::record::Results;
 use crate::record::checks::{each, same_length};
@@ -6,7 +6,7 @@ use crate::studies::Part;
 use crate::words::words;
 use serde::{Deserialize, Serialize};
 
-/// What the record of this study has of its own.
+/// The part of a record that is specific to natural frequencies.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ModesRecord {
     /// Natural frequencies, model by model.
@@ -14,7 +14,7 @@ pub struct ModesRecord {
 }
 
 impl Results {
-    /// Natural frequencies of models; none in records of other studies.
+    /// Returns the natural frequencies of models; empty in records of other studies.
     pub fn vibrations(&self) -> &[ModelModes] {
         match &self.part {
             Part::Modes(part) => &part.vibrations,
@@ -31,9 +31,9 @@ words! {
         Loaded = "loaded",
         /// The start, pressed together, without loads.
         Preloaded = "preloaded",
-        /// The start, or what loads lead to: no flanks touch.
+        /// The state has no flanks in contact: the start, or the end of the motion under the loads.
         Apart = "apart",
-        /// There is none, or it was not found.
+        /// The state does not exist, or was not found.
         NotFound = "not found",
     }
 }
@@ -44,14 +44,14 @@ words! {
 pub struct ModelModes {
     /// Label of the model in its scene.
     pub label: String,
-    /// The state that they are about.
+    /// State in which the model is linearised.
     pub about: About,
-    /// Why there are none, or what to know of them.
+    /// Reason why there are no frequencies, or a remark on them.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub message: String,
-    /// Coordinates of the scene.
+    /// Number of coordinates of the scene.
     pub coordinates: usize,
-    /// Constraints on them: rigid shafts, what the ground holds of planetary sets.
+    /// Number of constraints on the coordinates: rigid shafts, and fixed members of planetary sets.
     pub constraints: usize,
     /// Newton steps to the state.
     pub steps: u32,
@@ -61,12 +61,12 @@ pub struct ModelModes {
     pub frequencies: usize,
     /// The highest of all [Hz].
     pub highest_hz: f64,
-    /// Meshes.
+    /// Meshes with their forces in the state.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub meshes: Vec<MeshState>,
     /// Gears, and behind them bodies on shafts.
     pub members: Vec<MemberPlace>,
-    /// What holds strain energy, in the order of the shares of modes.
+    /// Names of the springs that store strain energy, in the order of the shares of modes.
     pub springs: Vec<String>,
     /// Modes by frequency, rigid motions first.
     pub modes: Vec<ModeRecord>,
@@ -94,7 +94,7 @@ impl ModelModes {
 pub struct MeshState {
     /// Names of its gears.
     pub name: String,
-    /// Sum of its normal forces [N]; 0 where it stands apart.
+    /// Sum of its normal forces [N]; 0 if its flanks are separated.
     pub force_n: f64,
 }
 
@@ -102,19 +102,19 @@ pub struct MeshState {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct MemberPlace {
-    /// Name.
+    /// Name of the gear or body.
     pub name: String,
-    /// Where its hub stands, in the plane across the axis of the first gear [m].
+    /// First coordinate of its hub in the plane normal to the axis of the first gear [m].
     pub x_m: f64,
-    /// See `x_m`.
+    /// Second coordinate of its hub in that plane [m]; see `x_m`.
     pub y_m: f64,
-    /// Radius by which its turn moves flanks [m]; 1 of what slides.
+    /// Radius by which its turn displaces flanks [m]; 1 for a sliding member.
     pub radius_m: f64,
-    /// It slides and does not turn: its turn is in [m].
+    /// True if the member slides instead of turning: its turn is then a displacement in [m].
     pub slides: bool,
-    /// It is a gear, with teeth.
+    /// True if the member is a gear.
     pub toothed: bool,
-    /// Its axis is parallel to that of the first gear.
+    /// True if its axis is parallel to that of the first gear.
     pub in_plane: bool,
 }
 
@@ -124,7 +124,7 @@ pub struct MemberPlace {
 pub struct ModeRecord {
     /// Natural frequency without damping [Hz].
     pub frequency_hz: f64,
-    /// How many motions have it; of several, shares are those of all together.
+    /// Number of modes with this frequency; if several, shares are those of all together.
     pub multiplicity: usize,
     /// Damping ratio [-]; absent of rigid motions.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -132,32 +132,32 @@ pub struct ModeRecord {
     /// Frequency with damping and gyroscopic terms [Hz], where these couple modes.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub damped_frequency_hz: Option<f64>,
-    /// What it is, by where its energy lies.
+    /// Name of the mode, by where its energy lies.
     pub name: String,
     /// Shares of members in the kinetic energy [-].
     pub kinetic: Vec<f64>,
     /// Shares of springs in the strain energy [-]; none of rigid motions.
     pub strain: Vec<f64>,
-    /// Motions of members, of several the first, scaled so that the largest way at a flank is 1 um.
+    /// Motions of members, of several modes the first, scaled to a largest displacement at a flank of 1 um.
     pub shape: Vec<MemberShape>,
 }
 
-/// How a member moves in a mode.
+/// Motion of a member in a mode.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct MemberShape {
-    /// Turn of the hub [rad]; way of one that slides [m].
+    /// Turn of the hub [rad]; displacement of a sliding member [m].
     pub turn_rad: f64,
     /// Displacement of the hub along its first axis [m].
     pub x_m: f64,
-    /// Along its second axis [m].
+    /// Displacement of the hub along its second axis [m].
     pub y_m: f64,
-    /// Along the axis of the gear [m].
+    /// Displacement of the hub along the axis of the gear [m].
     pub z_m: f64,
     /// Tilt about its first axis [rad].
     pub tilt_x_rad: f64,
-    /// About its second axis [rad].
+    /// Tilt about its second axis [rad].
     pub tilt_y_rad: f64,
-    /// Share of its own coordinates (teeth, modes) in the kinetic energy of the whole [-].
+    /// Share of the member's own coordinates (teeth, modes) in the total kinetic energy [-].
     pub own: f64,
 }

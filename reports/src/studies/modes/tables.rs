@@ -9,7 +9,7 @@ use maud::{Markup, html};
 /// Share of an energy from which on its holder is named.
 const NAMED: f64 = 0.01;
 
-/// The frequencies that swing.
+/// Returns the modes with a frequency above zero.
 fn swinging(v: &ModelModes) -> impl Iterator<Item = &ModeRecord> {
     v.modes.iter().filter(|m| m.frequency_hz > 0.0)
 }
@@ -36,7 +36,7 @@ pub fn finding(vibrations: &[ModelModes]) -> Vec<Markup> {
     vibrations.iter().map(of).collect()
 }
 
-/// The largest shares with their holders.
+/// Returns the largest shares with the names of their members or springs.
 fn largest<'a>(names: impl Iterator<Item = &'a String>, shares: &[f64]) -> String {
     let mut all: Vec<(&String, f64)> = names.zip(shares.iter().copied()).collect();
     all.retain(|(_, share)| share.abs() >= NAMED);

@@ -1,4 +1,4 @@
-//! Force, impulse and transmission error over the penalty, with hard contact as their limit.
+//! Charts of force, impulse and transmission error over the penalty, with hard contact as their limit.
 
 use crate::drawing::Chart;
 use crate::drawing::axis::Axis;
@@ -12,7 +12,7 @@ use crate::view::View;
 /// A quantity of a run: its name, its value in the unit of the name.
 type Quantity = (&'static str, fn(&Run) -> Option<f64>);
 
-/// What is shown.
+/// Quantities over the penalty, each with name and unit, one panel each.
 pub const QUANTITIES: [Quantity; 3] = [
     ("peak force [N]", |r| r.metrics.first()?.peak_force_n),
     ("impulse [N s]", |r| r.metrics.first()?.impulse_ns),
@@ -30,7 +30,7 @@ pub struct Series<'a> {
     pub hard: Option<&'a Run>,
 }
 
-/// The models of a study of penalties.
+/// Returns the models of a study of penalties.
 pub fn series<'a>(view: &View<'a>) -> Vec<Series<'a>> {
     (view.groups.iter())
         .map(|g| {
@@ -51,7 +51,7 @@ pub fn series<'a>(view: &View<'a>) -> Vec<Series<'a>> {
         .collect()
 }
 
-/// The charts of a study of penalties.
+/// Draws the charts of a study of penalties.
 pub fn penalty(view: &View<'_>) -> Result<Vec<Chart>, DrawError> {
     let all = series(view);
     if all.is_empty() {

@@ -1,9 +1,9 @@
-//! The table of penalties.
+//! CSV table of runs by penalty.
 
 use crate::csv_table::{CsvTable, number};
 use crate::record::Results;
 
-/// One line per run.
+/// Returns the table with a row per run.
 pub fn tables(results: &Results) -> Vec<CsvTable> {
     vec![CsvTable::new(
         "penalty.csv",

@@ -10,7 +10,7 @@ use crate::studies::StudyReport;
 use crate::studies::compare::histories;
 use crate::view::View;
 
-/// What the study says of a record.
+/// Returns the report of a study of penalties.
 pub(super) fn report(view: &View<'_>) -> Result<StudyReport, DrawError> {
     let mut charts = charts::penalty(view)?;
     charts.extend(histories::force(view)?);

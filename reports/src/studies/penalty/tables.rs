@@ -20,7 +20,7 @@ fn still(r: &Run) -> Option<f64> {
     r.static_error_m
 }
 
-/// The least penalty from which on a quantity stays within 1 % of hard contact.
+/// Returns the least penalty from which on a quantity stays within 1 % of hard contact.
 fn enough(s: &Series<'_>, get: fn(&Run) -> Option<f64>) -> Option<f64> {
     let limit = get(s.hard?)?;
     let mut found = None;
@@ -93,7 +93,7 @@ pub fn finding(view: &View<'_>) -> Vec<Markup> {
     all
 }
 
-/// All penalties with their outputs and distances.
+/// Returns the table of all penalties with forces, impulses and distances.
 pub fn tables(view: &View<'_>) -> Markup {
     let all = series(view);
     let rows: Vec<(&Series<'_>, &Run)> = (all.iter())

@@ -1,4 +1,4 @@
-//! The table of accuracy against cost.
+//! CSV table of cost and error of all runs against all references.
 
 use super::{Cloud, Cost, Precision, Shown};
 use crate::csv_table::{CsvColumn, CsvTable, number, text};
@@ -8,7 +8,7 @@ use crate::studies::runs::work;
 
 type Row<'a> = (&'a Run, &'a Metrics);
 
-/// One line per run and reference.
+/// Returns the table with a row per run and reference.
 pub fn tables(results: &Results) -> Vec<CsvTable> {
     let study = Precision::of(results);
     let clouds: Vec<Cloud<'_>> = (study.references.iter().map(String::as_str))

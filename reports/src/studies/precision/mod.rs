@@ -1,7 +1,9 @@
-//! What a study of accuracy against cost says: families of runs, their points, who leads.
+//! The study of accuracy against cost: families of runs, their points, and the cheapest families within limits of the
+//! error.
 //!
-//! A family is a model under an integrator, at every step, tolerance and number of modes. Models whose truncated modes
-//! stay as residual compliance, under a method that solves their linear part exactly, are the ones whose lead is reported.
+//! A family is a model under an integrator, at every step, tolerance and number of modes. The report compares two
+//! groups: elastic models with residual compliance under a method that solves their linear part exactly ([`is_ours`]),
+//! and all others.
 
 mod charts;
 mod csv;
@@ -19,10 +21,10 @@ use serde::{Deserialize, Serialize};
 
 /// Limits of the error at which families are compared.
 pub const LEVELS: [f64; 4] = [0.05, 0.02, 0.01, 0.005];
-/// A point of a front is news when its error is less than this times that of the last that was.
+/// Factor by which the error of a point of a front must be below that of the last marked point to be marked itself.
 const NEWS: f64 = 0.95;
 
-/// What the record of this study has of its own.
+/// The part of a record that is specific to a study of accuracy against cost.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct PrecisionRecord {
     /// Metrics that the study is about, the first one above all.
@@ -30,7 +32,7 @@ pub struct PrecisionRecord {
     pub metrics: Vec<Metric>,
 }
 
-/// What a run is charged with.
+/// Measure of the cost of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Cost {
     /// Processor time \[s\].
@@ -40,7 +42,7 @@ pub enum Cost {
 }
 
 impl Cost {
-    /// The cost of a run, if it was measured.
+    /// Returns the cost of a run, if it was measured.
     pub fn of(self, run: &Run) -> Option<f64> {
         let x = match self {
             Cost::Processor => run.cost_s(),
@@ -53,16 +55,16 @@ impl Cost {
 /// A run that reached its end, as a point.
 #[derive(Clone, Copy, Debug)]
 pub struct Shown<'a> {
-    /// The run.
+    /// Run of the point.
     pub run: &'a Run,
     /// Place of its model in the order of appearance.
     pub style: usize,
-    /// Cost and error.
+    /// Cost and error of the run.
     pub point: Point,
 }
 
 impl Shown<'_> {
-    /// Whether its constants were fitted to a reference of the record.
+    /// True if the constants of the run were fitted to a reference of the record.
     pub fn is_fitted(&self) -> bool {
         self.run.fitted_to.is_some()
     }
@@ -70,9 +72,9 @@ impl Shown<'_> {
 
 /// The points of a record against one reference.
 pub struct Cloud<'a> {
-    /// Reference.
+    /// Id of the reference.
     pub against: String,
-    /// Runs that reached their end with an error that is known, in the order of the record.
+    /// Runs that reached their end and have an error, in the order of the record.
     pub shown: Vec<Shown<'a>>,
     /// Runs of the same models that failed, with the place of their model.
     pub failed: Vec<(&'a Run, usize)>,
@@ -80,32 +82,33 @@ pub struct Cloud<'a> {
 
 /// A record seen as accuracy against cost.
 pub struct Precision<'a> {
-    /// The record.
+    /// Record of the study.
     pub results: &'a Results,
     /// Labels of the models in the order of appearance.
     pub models: Vec<String>,
-    /// References that runs are held against, those with most runs that are no own converged solution first.
+    /// References that runs are compared with, in the order of the record.
     pub references: Vec<String>,
-    /// The metrics.
+    /// Metrics of the study, the headline first.
     pub metrics: Vec<Metric>,
 }
 
-/// Whether a run is one of those whose lead is reported.
+/// True if the run belongs to the models whose lead is reported: residual compliance, and a method that solves the
+/// linear part exactly.
 pub fn is_ours(run: &Run) -> bool {
     run.residual == Some(true) && run.exact_linear
 }
 
-/// An integrator without its parameters.
+/// Returns the id of an integrator without its parameters.
 pub fn id_of(integrator: &str) -> &str {
     integrator.split('(').next().unwrap_or(integrator).trim()
 }
 
-/// A family in words: model and integrator.
+/// Returns the name of a run's family: model and integrator.
 pub fn family(run: &Run) -> String {
     format!("{} under {}", run.model_label(), run.integrator)
 }
 
-/// A run in few words: modes, step or tolerance.
+/// Returns number of modes, and step or tolerance of a run, for labels.
 pub fn modes_and_step(run: &Run) -> String {
     let resolution = match run.step {
         Some(h) => round_quantity(h, "s", 3),
@@ -118,7 +121,7 @@ pub fn modes_and_step(run: &Run) -> String {
 }
 
 impl<'a> Precision<'a> {
-    /// Sorts a record.
+    /// Makes the view of accuracy against cost from a record.
     pub fn of(results: &'a Results) -> Self {
         let mut models: Vec<String> = Vec::new();
         for run in &results.runs {
@@ -146,12 +149,13 @@ impl<'a> Precision<'a> {
         }
     }
 
-    /// The metric above all.
+    /// Returns the first metric of the study.
     pub fn headline(&self) -> Metric {
         self.metrics.first().copied().unwrap_or_default()
     }
 
-    /// The same against a reference: integration errors have a metric of their own.
+    /// Returns the headline metric against a reference. Errors against a model's own converged solution have a metric
+    /// of their own.
     pub fn headline_against(&self, id: &str) -> Metric {
         metric_against(self.results, id, self.headline())
     }
@@ -161,7 +165,7 @@ impl<'a> Precision<'a> {
         self.models.iter().position(|m| *m == label).unwrap_or(0)
     }
 
-    /// The points against a reference.
+    /// Returns the points of all runs against a reference.
     pub fn cloud(&self, against: &str, metric: Metric, cost: Cost) -> Cloud<'a> {
         let runs = &self.results.runs;
         let compared: Vec<String> = (runs.iter())
@@ -201,25 +205,25 @@ impl<'a> Cloud<'a> {
         kept.map(|i| (i, self.shown[i].point)).unzip()
     }
 
-    /// Indices of the front among some of the points, ascending in cost.
+    /// Returns the indices of the Pareto front of selected points, ascending in cost.
     pub fn front(&self, keep: impl Fn(&Shown<'a>) -> bool) -> Vec<usize> {
         let (kept, points) = self.points(keep);
         front(&points).into_iter().map(|i| kept[i]).collect()
     }
 
-    /// The cheapest run within a limit of the error, among some.
+    /// Returns the cheapest of selected runs within a limit of the error.
     pub fn cheapest(&self, limit: f64, keep: impl Fn(&Shown<'a>) -> bool) -> Option<&Shown<'a>> {
         let (kept, points) = self.points(keep);
         pareto::cheapest(&points, limit).map(|i| &self.shown[kept[i]])
     }
 
-    /// Whether any of the models was fitted to a reference of the record.
+    /// True if any of the models was fitted to a reference of the record.
     pub fn has_fitted(&self) -> bool {
         self.shown.iter().any(Shown::is_fitted)
     }
 
-    /// Who keeps a limit of the error the cheapest, among all or among those that were not fitted; `None` when none of
-    /// ours keeps it.
+    /// Returns the cheapest runs within a limit of the error, among all models or among those that were not fitted;
+    /// `None` when no run with [`is_ours`] is within it.
     pub fn standing(&self, limit: f64, fitted_too: bool) -> Option<Standing<'_, 'a>> {
         let among = |rival: &dyn Fn(&Shown<'a>) -> bool| {
             let (kept, points) =
@@ -239,7 +243,7 @@ impl<'a> Cloud<'a> {
         })
     }
 
-    /// The points of a front that are news: each errs less than the last by more than a twentieth of it.
+    /// Returns the points of a front whose error is at least 5 % below that of the last such point.
     pub fn news(&self, front: &[usize]) -> Vec<usize> {
         let mut last = f64::INFINITY;
         let mut kept = front.to_vec();
@@ -254,7 +258,8 @@ impl<'a> Cloud<'a> {
         kept
     }
 
-    /// The news of the front as stretches of one family, all of ours being one: the first point, and the least error.
+    /// Returns the front as sections of one family each, all runs with [`is_ours`] being one family: first point and
+    /// least error of each.
     pub fn stretches(&self, keep: impl Fn(&Shown<'a>) -> bool) -> Vec<(&Shown<'a>, f64)> {
         let mut all: Vec<(&Shown<'a>, f64)> = Vec::new();
         let alike = |a: &Run, b: &Run| (is_ours(a) && is_ours(b)) || family(a) == family(b);
@@ -268,7 +273,7 @@ impl<'a> Cloud<'a> {
         all
     }
 
-    /// The reasons of failures in the order of the format, each with its runs.
+    /// Returns the reasons of failures in the order of the format, each with its runs.
     pub fn reasons(&self) -> Vec<(Status, Vec<(&'a Run, usize)>)> {
         let of = |status: Status| {
             let all = self.failed.iter().filter(|(r, _)| r.status == status);
@@ -279,26 +284,27 @@ impl<'a> Cloud<'a> {
     }
 }
 
-/// Who keeps a limit of the error the cheapest.
+/// The cheapest runs within a limit of the error, by group of models.
 #[derive(Clone, Copy, Debug)]
 pub struct Standing<'c, 'a> {
-    /// The limit.
+    /// Limit of the error [-].
     pub limit: f64,
-    /// The cheapest of ours.
+    /// Cheapest run with [`is_ours`].
     pub ours: &'c Shown<'a>,
-    /// The cheapest of all other families with its cost over that of ours; `None` when none keeps the limit.
+    /// Cheapest run of all other families with its cost over that of `ours`; `None` when none is within the limit.
     pub next: Option<(&'c Shown<'a>, f64)>,
-    /// The same among models without residual compliance.
+    /// The cheapest run of models without residual compliance with its cost over that of `ours`; `None` when none keeps
+    /// the limit.
     pub other: Option<(&'c Shown<'a>, f64)>,
 }
 
 impl Standing<'_, '_> {
-    /// The limit, in words.
+    /// Returns the limit, in words.
     pub fn level(&self) -> String {
         format!("\u{2264} {} %", short(100.0 * self.limit, 2))
     }
 
-    /// Ours, in words.
+    /// Returns the description of `ours`: model, integrator, modes and step, time.
     pub fn own(&self) -> String {
         let run = self.ours.run;
         format!(
@@ -309,7 +315,7 @@ impl Standing<'_, '_> {
         )
     }
 
-    /// Who is cheapest of all, and what the other side costs, in words.
+    /// Returns the clause on the cheapest run of all, and the cost of the cheapest one of the other group.
     pub fn winner(&self) -> String {
         let named = |s: &Shown<'_>| {
             let time = quantity(s.run.cost_s(), "s", 2).replace('\u{a0}', " ");
@@ -338,18 +344,18 @@ impl Standing<'_, '_> {
         }
     }
 
-    /// The next family, in words.
+    /// Returns the clause that compares `ours` with the next family.
     pub fn beside_next(&self) -> String {
         beside(self.next)
     }
 
-    /// The next other model, in words.
+    /// Returns the clause that compares `ours` with the next model without residual compliance.
     pub fn beside_other(&self) -> String {
         beside(self.other)
     }
 }
 
-/// By how much ours is faster than a rival, or a rival than ours.
+/// Returns the clause on the ratio of costs between `ours` and a rival.
 fn beside(rival: Option<(&Shown<'_>, f64)>) -> String {
     let Some((rival, factor)) = rival else {
         return "no other is within the limit".into();
@@ -364,7 +370,7 @@ fn beside(rival: Option<(&Shown<'_>, f64)>) -> String {
     }
 }
 
-/// What the study says of a record.
+/// Returns the report of a study of accuracy against cost.
 pub(super) fn report(view: &View<'_>) -> Result<StudyReport, DrawError> {
     Ok(StudyReport {
         finding: tables::finding(view),

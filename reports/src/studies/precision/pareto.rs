@@ -1,10 +1,10 @@
-//! Cost against error: the points that no other beats, and by how much one family leads another.
+//! The Pareto front of cost and error, and the factor between the cheapest points of two groups.
 //!
-//! A point dominates another when it costs no more and errs no more, and is better in one of the two. The points that
-//! none dominates are the Pareto front. Nothing is interpolated: every statement is about points that are there.
-//! Points whose cost or error is not a finite number belong to nothing; failed runs must not be made points at all.
+//! A point dominates another when its cost and its error are no larger and one of them is smaller. The points that no
+//! other dominates are the Pareto front. Nothing is interpolated: every statement is about points of runs. Points whose
+//! cost or error is not finite are ignored; failed runs must not be made points at all.
 
-/// What a run costs and how far off it is.
+/// Cost and error of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Point {
     /// Cost, in any unit, positive.
@@ -14,14 +14,14 @@ pub struct Point {
 }
 
 impl Point {
-    /// Whether cost and error are numbers that can be compared.
+    /// True if cost and error are finite, the cost above zero and the error not below zero.
     pub fn is_sound(&self) -> bool {
         self.cost.is_finite() && self.cost > 0.0 && self.error.is_finite() && self.error >= 0.0
     }
 }
 
-/// Indices of the points that none dominates, ascending in cost and falling in error. Of points that are equal the
-/// first stands for all.
+/// Returns the indices of the points that no other dominates, ascending in cost and falling in error. Of equal points
+/// the first is kept.
 pub fn front(points: &[Point]) -> Vec<usize> {
     let mut order: Vec<usize> = (0..points.len())
         .filter(|i| points[*i].is_sound())
@@ -41,7 +41,7 @@ pub fn front(points: &[Point]) -> Vec<usize> {
     order
 }
 
-/// The cheapest point whose error is within a limit; of equal cost the more accurate one.
+/// Returns the cheapest point whose error is within a limit; of equal cost the more accurate one.
 pub fn cheapest(points: &[Point], limit: f64) -> Option<usize> {
     let within = |i: &usize| points[*i].is_sound() && points[*i].error <= limit;
     (0..points.len()).filter(within).min_by(|&a, &b| {
@@ -53,16 +53,16 @@ pub fn cheapest(points: &[Point], limit: f64) -> Option<usize> {
 /// The cheapest of some points and of the others, both within the same limit of the error.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lead {
-    /// Index of the cheapest of ours.
+    /// Index of the cheapest point of the first group.
     pub ours: usize,
-    /// Index of the cheapest of the others; `None` when none of them keeps the limit.
+    /// Index of the cheapest of the other points; `None` when none of them is within the limit.
     pub next: Option<usize>,
-    /// Cost of the others' over that of ours: below one they are cheaper.
+    /// Cost of `next` over that of `ours`; below one `next` is cheaper.
     pub factor: Option<f64>,
 }
 
-/// By which factor the points for which `mine` holds lead the others within a limit of the error; `None` when none of
-/// ours keeps it.
+/// Compares the cheapest points with and without `mine` within a limit of the error; `None` when none with `mine` is
+/// within it.
 pub fn lead(points: &[Point], mine: &[bool], limit: f64) -> Option<Lead> {
     let of = |wanted: bool| {
         let theirs = |i: usize| mine.get(i) == Some(&wanted);

@@ -12,7 +12,7 @@ use maud::{Markup, html};
 /// The limits that the finding names; the table has all.
 const NAMED: [f64; 2] = [LEVELS[0], LEVELS[2]];
 
-/// The finding: who is cheapest against the first reference, what fits change, what failed.
+/// Returns the finding: the cheapest run against the first reference, the effect of fits, and failures.
 pub fn finding(view: &View<'_>) -> Vec<Markup> {
     let study = Precision::of(view.results);
     let clouds = clouds(&study);
@@ -56,14 +56,14 @@ pub fn finding(view: &View<'_>) -> Vec<Markup> {
     sentences
 }
 
-/// The points against every reference that has any.
+/// Returns the points against every reference that has any.
 fn clouds<'a>(study: &Precision<'a>) -> Vec<Cloud<'a>> {
     let metric = study.headline();
     let all = (study.references.iter()).map(|id| study.cloud(id, metric, Cost::Processor));
     all.filter(|c| !c.shown.is_empty()).collect()
 }
 
-/// What models that were fitted to this very history change.
+/// Returns the sentence on models that were fitted to this very history; `None` when the front has none.
 fn fits(cloud: &Cloud<'_>) -> Option<Markup> {
     let all = cloud.stretches(Shown::is_fitted);
     let least = (all.iter().map(|s| s.1)).min_by(f64::total_cmp)?;
@@ -78,7 +78,7 @@ fn fits(cloud: &Cloud<'_>) -> Option<Markup> {
     })
 }
 
-/// Fronts, who leads, and what each model costs within limits of the error.
+/// Returns the tables of fronts, of the cheapest families, and of the cost of each model within limits of the error.
 pub fn tables(view: &View<'_>) -> Markup {
     let study = Precision::of(view.results);
     let metric = study.headline();
@@ -112,7 +112,7 @@ pub fn tables(view: &View<'_>) -> Markup {
     }
 }
 
-/// How residual compliance stands beside what is next to it, limit by limit.
+/// Returns the table of the cheapest run with residual compliance compared with its next rivals, limit by limit.
 fn leaders(cloud: &Cloud<'_>) -> Markup {
     let of = |fitted_too: bool| {
         let all = LEVELS
@@ -220,7 +220,7 @@ fn within(study: &Precision<'_>, cloud: &Cloud<'_>) -> Markup {
     html! { (table.result()) }
 }
 
-/// All runs, shortly, and the failures counted.
+/// Returns the table of all runs and the number of failures by reason.
 pub fn runs(view: &View<'_>) -> Markup {
     let study = Precision::of(view.results);
     let metric = study.headline();
@@ -271,7 +271,7 @@ pub fn runs(view: &View<'_>) -> Markup {
     }
 }
 
-/// Failures by family and reason.
+/// Returns the table of failures by family and reason.
 fn failures<'a>(runs: impl Iterator<Item = &'a Run>) -> Markup {
     let mut found: Vec<(String, Status, Vec<&Run>)> = Vec::new();
     for r in runs.filter(|r| r.status.is_failure()) {

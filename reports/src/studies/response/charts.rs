@@ -12,11 +12,11 @@ use crate::record::slug;
 const KHZ: f64 = 1e-3;
 const UM: f64 = 1e6;
 const X_NAME: &str = "mesh frequency [kHz]";
-/// Harmonics, and mounts, that are drawn.
+/// Number of harmonics, and of mounts, in a chart.
 const SHOWN: usize = 4;
 const MOST_MOUNTS: usize = 4;
 
-/// A line where no flanks part, and a thin one where they do.
+/// Returns a line for points at which no flanks separate, and a thin one for the others.
 fn curves(
     group: &GroupResponse,
     style: usize,
@@ -52,7 +52,7 @@ fn legend(responses: &[ModelResponse]) -> Vec<Entry> {
     responses.iter().enumerate().map(solid).collect()
 }
 
-/// The charts of all groups of meshes.
+/// Draws the charts of all groups of meshes.
 pub fn charts(responses: &[ModelResponse]) -> Result<Vec<Chart>, DrawError> {
     let groups = responses.iter().map(|r| r.groups.len()).max().unwrap_or(0);
     let mut all = Vec::new();
@@ -83,7 +83,7 @@ pub fn charts(responses: &[ModelResponse]) -> Result<Vec<Chart>, DrawError> {
 
 type Of<'a> = [(usize, &'a ModelResponse, &'a GroupResponse)];
 
-/// Where a harmonic of the mesh frequency meets the resonance of a group.
+/// Returns the mesh frequencies at which one of their first four harmonics equals the resonance of a group, with names.
 fn orders(of: &Of<'_>, x: &Axis, named: bool) -> Vec<(f64, String)> {
     let Some(f) = of.iter().rev().find_map(|(.., g)| g.resonance_hz) else {
         return Vec::new();
@@ -148,7 +148,7 @@ fn over_frequency(
     )
 }
 
-/// Forces of the mounts that swing most.
+/// Draws the forces of the mounts with the largest amplitudes.
 fn mounts(
     of: &Of<'_>,
     group: usize,
@@ -197,7 +197,7 @@ fn mounts(
     .map(Some)
 }
 
-/// The first harmonics of the transmission error of the first mesh of a group, of one model.
+/// Draws the first harmonics of the transmission error of the first mesh of a group, for one model.
 fn harmonics(
     response: &ModelResponse,
     group: &GroupResponse,

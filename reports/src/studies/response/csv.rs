@@ -1,4 +1,4 @@
-//! Tables of frequency response: meshes and mounts over the mesh frequency, meshes that run slowly.
+//! CSV tables of a frequency response: meshes and mounts over the mesh frequency, and meshes at low speed.
 
 use super::{GroupResponse, MeshLimit, MeshPoint, ModelResponse, MountPoint, ResponsePoint};
 use crate::csv_table::{CsvTable, number};
@@ -29,7 +29,7 @@ fn append<T>(table: &mut CsvTable, name: &str, unit: &str, rows: &[T], of: impl 
     }
 }
 
-/// The tables of a record.
+/// Returns the tables of a record.
 pub fn tables(responses: &[ModelResponse]) -> Vec<CsvTable> {
     let meshes: Vec<Row<'_, MeshPoint>> = points(responses)
         .flat_map(|(r, g, p)| {

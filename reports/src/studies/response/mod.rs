@@ -1,4 +1,4 @@
-//! The study of frequency response to the passing of teeth: transmission errors, mesh forces and forces of mounts.
+//! The study of the frequency response to tooth meshing: transmission errors, mesh forces and forces of mounts.
 
 mod charts;
 mod csv;
@@ -11,7 +11,7 @@ pub use record::{
     GroupResponse, MeshLimit, MeshPoint, ModelResponse, MountPoint, ResponsePoint, ResponseRecord,
 };
 
-/// What the study says of a record.
+/// Returns the report of a frequency response.
 pub(super) fn report(responses: &[ModelResponse]) -> Result<StudyReport, DrawError> {
     Ok(StudyReport {
         finding: tables::finding(responses),

@@ -1,11 +1,12 @@
-//! The record of frequency response to the passing of teeth: of each mesh and each mount, at mesh frequency after mesh frequency.
+//! The record of the frequency response to tooth meshing: forces and transmission errors of meshes and mounts by mesh
+//! frequency.
 
 use crate::record::Results;
 use crate::record::checks::{each, same_length};
 use crate::studies::Part;
 use serde::{Deserialize, Serialize};
 
-/// What the record of this study has of its own.
+/// The part of a record that is specific to a frequency response.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ResponseRecord {
     /// Responses, model by model.
@@ -13,7 +14,7 @@ pub struct ResponseRecord {
 }
 
 impl Results {
-    /// Frequency responses; none in records of other studies.
+    /// Returns the frequency responses; empty in records of other studies.
     pub fn responses(&self) -> &[ModelResponse] {
         match &self.part {
             Part::Response(part) => &part.responses,
@@ -28,10 +29,10 @@ impl Results {
 pub struct ModelResponse {
     /// Label of the model in its scene.
     pub label: String,
-    /// Why there is none.
+    /// Reason why the model has no response.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub message: String,
-    /// Coordinates of the scene.
+    /// Number of coordinates of the scene.
     pub coordinates: usize,
     /// Meshes that share a mesh frequency.
     pub groups: Vec<GroupResponse>,
@@ -68,9 +69,9 @@ impl ModelResponse {
 pub struct GroupResponse {
     /// Mesh frequency at the speeds of the scene [Hz].
     pub own_frequency_hz: f64,
-    /// The meshes.
+    /// Meshes of the group at low speed.
     pub meshes: Vec<MeshLimit>,
-    /// Names of the gears whose mounts are looked at.
+    /// Names of the gears whose mounts are evaluated.
     pub mounts: Vec<String>,
     /// Resonance of these meshes: root mean square over their cycle of the natural frequency that strains them most [Hz].
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -96,7 +97,7 @@ pub struct MeshLimit {
     pub stiffness_range_n_per_m: [f64; 2],
     /// Transmission error in the transverse plane, about its mean [m]: root mean square.
     pub error_rms_m: f64,
-    /// Greatest less least [m].
+    /// Peak to peak of the transmission error [m].
     pub error_peak_to_peak_m: f64,
     /// Amplitudes of its harmonics [m].
     pub error_harmonics_m: Vec<f64>,
@@ -115,7 +116,7 @@ pub struct ResponsePoint {
 }
 
 impl ResponsePoint {
-    /// No flanks part.
+    /// True if no flanks separate, so that the linear response is valid.
     pub fn holds(&self) -> bool {
         self.meshes.iter().all(|m| m.force_least_n > 0.0)
     }
@@ -127,19 +128,19 @@ impl ResponsePoint {
 pub struct MeshPoint {
     /// Transmission error about its mean [m]: root mean square.
     pub error_rms_m: f64,
-    /// Greatest less least [m].
+    /// Peak to peak of the transmission error [m].
     pub error_peak_to_peak_m: f64,
     /// Amplitudes of its harmonics [m].
     pub error_harmonics_m: Vec<f64>,
     /// Root mean square of the force about its mean [N].
     pub force_rms_n: f64,
-    /// Least force [N]; below zero flanks part, and the response holds no more.
+    /// Least force [N]; below zero flanks separate, and the linear response is not valid.
     pub force_least_n: f64,
     /// Greatest force [N].
     pub force_greatest_n: f64,
 }
 
-/// What a mount exerts at a mesh frequency.
+/// Force of a mount at a mesh frequency.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct MountPoint {

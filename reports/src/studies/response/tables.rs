@@ -6,15 +6,15 @@ use crate::markup::{glance, note, prose};
 use crate::numbers::quantity;
 use maud::{Markup, html};
 
-/// The point at which the transmission error of a mesh is largest, among those where all flanks stay in contact: beyond, a
-/// response to first order is no result.
+/// Returns the point with the largest transmission error of a mesh among those at which all flanks stay in contact,
+/// since the linear response is valid there alone.
 fn peak(group: &GroupResponse, mesh: usize) -> Option<&ResponsePoint> {
     let rms = |p: &&ResponsePoint| p.meshes[mesh].error_rms_m;
     let valid = group.points.iter().filter(|p| p.holds());
     valid.max_by(|a, b| rms(a).total_cmp(&rms(b)))
 }
 
-/// Where flanks part: lowest and highest mesh frequency [Hz].
+/// Returns lowest and highest mesh frequency at which flanks separate [Hz].
 fn parting(group: &GroupResponse) -> Option<[f64; 2]> {
     let parts = group.points.iter().filter(|p| !p.holds());
     let mut parts = parts.map(|p| p.mesh_frequency_hz);
@@ -22,7 +22,8 @@ fn parting(group: &GroupResponse) -> Option<[f64; 2]> {
     Some([first, parts.next_back().unwrap_or(first)])
 }
 
-/// A sentence or two on each model: its largest transmission error in contact, its resonance, and where flanks part.
+/// Returns a sentence or two on each model: its largest transmission error in contact, its resonance, and the mesh
+/// frequencies at which flanks separate.
 pub fn finding(responses: &[ModelResponse]) -> Vec<Markup> {
     let of = |r: &ModelResponse| {
         let peaks: Vec<String> = (r.groups.iter())

@@ -13,26 +13,26 @@ use crate::numbers::{Prefix, quantity, short};
 use crate::record::slug;
 use std::f64::consts::TAU;
 
-/// Heights of a map, of what stands above it, and of the axis below.
+/// Heights of a map, of the space above it, and of the axis below.
 const MAP: f64 = 330.0;
 const ABOVE: f64 = 34.0;
 const BELOW: f64 = 48.0;
 /// Space at the right: names of lines, and the bar.
 const NAMES: f64 = 128.0;
 const BAR: f64 = 92.0;
-/// Decades of amplitudes that are shown.
+/// Number of decades of amplitude in a map.
 const DECADES: f64 = 3.0;
-/// Lines of a map that hold the mean and what changes slowly: they say nothing of the scale.
+/// Lowest lines of a map, with the mean and slow changes; they are left out of the scale.
 const SLOW: f64 = 2.5;
 /// Orders in the picture of curves.
 const CURVES: usize = 6;
 /// Between the names of two lines.
 const APART: f64 = 13.0;
-/// On a map, by day and by night.
+/// Colours of order lines and of natural frequencies on a map, the same on light and dark pages.
 const ORDER: Ink = Ink(0xfe, 0xfe, 0xfe, 1.0);
 const NATURAL: Ink = Ink(0xff, 0xa0, 0x5e, 1.0);
 
-/// The pictures of all models.
+/// Draws the pictures of all models.
 pub fn charts(run_ups: &[ModelRunUp]) -> Result<Vec<Chart>, DrawError> {
     let mut all = Vec::new();
     for run in run_ups.iter().filter(|r| r.message.is_empty()) {
@@ -44,7 +44,7 @@ pub fn charts(run_ups: &[ModelRunUp]) -> Result<Vec<Chart>, DrawError> {
     Ok(all)
 }
 
-/// The largest amplitude of maps but for the lines next to zero.
+/// Returns the largest amplitude of a map, without the lines next to zero.
 fn largest(rows: &[Vec<f64>], map: &RunUpMap) -> f64 {
     let slow = SLOW / map.span;
     let beyond = map.lines.partition_point(|l| *l < slow);
@@ -59,7 +59,7 @@ struct Marked {
     stroke: Stroke,
 }
 
-/// Whether a map shows frequencies or orders.
+/// Abscissa of a map: frequency or order.
 #[derive(Clone, Copy, PartialEq)]
 enum By {
     Frequency,
@@ -98,7 +98,8 @@ fn marks(run: &ModelRunUp, by: By, x: &Axis) -> Vec<Marked> {
     all
 }
 
-/// Lines clipped to the map, and their names where there is room: at the right, or above where they leave at the top.
+/// Paints lines clipped to the map, and their names where there is space: at the right, or above where they end at the
+/// top.
 fn paint_marks(c: &mut Canvas<'_>, frame: &Frame, marks: &[Marked]) {
     let area = frame.area;
     let (mut right, mut above): (Vec<f64>, Vec<[f64; 2]>) = (Vec::new(), Vec::new());
@@ -137,7 +138,7 @@ fn paint_marks(c: &mut Canvas<'_>, frame: &Frame, marks: &[Marked]) {
     }
 }
 
-/// As much of a name as there is room for.
+/// Shortens a name to 20 characters.
 fn short_name(name: &str) -> String {
     const MOST: usize = 20;
     match name.chars().count() > MOST {
@@ -146,7 +147,7 @@ fn short_name(name: &str) -> String {
     }
 }
 
-/// Spectra over the speed above, orders over the speed below, in one scale of amplitudes.
+/// Draws spectra over the speed above and orders over the speed below, with one scale of amplitudes.
 fn maps(run: &ModelRunUp, channel: &RunUpChannel) -> Result<Chart, DrawError> {
     let title = format!("{}: {}", capital(&channel.name), run.label);
     let top =
@@ -216,7 +217,7 @@ fn maps(run: &ModelRunUp, channel: &RunUpChannel) -> Result<Chart, DrawError> {
     })
 }
 
-/// Ticks and names outside of a map, without the grid that would cover it.
+/// Paints ticks and names outside of a map, without the grid that would cover it.
 fn paint_axes(c: &mut Canvas<'_>, frame: &Frame, [x_name, y_name]: [&str; 2]) {
     use crate::drawing::axis::{NAME_SIZE, tick_label};
     let r = frame.area;
@@ -243,7 +244,7 @@ fn paint_axes(c: &mut Canvas<'_>, frame: &Frame, [x_name, y_name]: [&str; 2]) {
     c.text(y_name, (14.0, r.middle()), name.upwards());
 }
 
-/// The strongest orders over the speed, a panel for each quantity that has maps.
+/// Draws the strongest orders over the speed, a panel for each quantity that has maps.
 fn curves(run: &ModelRunUp) -> Result<Option<Chart>, DrawError> {
     let shown: Vec<&RunUpChannel> = run
         .channels

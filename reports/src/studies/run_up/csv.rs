@@ -1,10 +1,10 @@
-//! Tables of run-ups: amplitudes of orders, spectra, maps of orders. A column for each quantity.
+//! CSV tables of run-ups: amplitudes of orders, spectra, maps of orders, with a column for each quantity.
 
 use super::{ModelRunUp, RunUpChannel, RunUpMap};
 use crate::csv_table::{CsvTable, number};
 use std::f64::consts::TAU;
 
-/// The tables that a record has data for.
+/// Returns the tables that a record has data for.
 pub fn tables(run_ups: &[ModelRunUp]) -> Vec<CsvTable> {
     let run_ups: Vec<&ModelRunUp> = run_ups.iter().filter(|r| r.message.is_empty()).collect();
     if run_ups.is_empty() {
@@ -61,7 +61,7 @@ fn table(file: &str, lines: &[Line<'_>], name: &str) -> CsvTable {
     )
 }
 
-/// A table with a column for every quantity that any model has.
+/// Returns a table with a column for every quantity that any model has.
 fn with_quantities(
     mut table: CsvTable,
     run_ups: &[&ModelRunUp],

@@ -14,7 +14,7 @@ pub use record::{
     strongest,
 };
 
-/// What the study says of a record.
+/// Returns the report of run-ups.
 pub(super) fn report(view: &View<'_>, run_ups: &[ModelRunUp]) -> Result<StudyReport, DrawError> {
     Ok(StudyReport {
         finding: tables::finding(run_ups),

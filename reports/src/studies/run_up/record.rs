@@ -1,14 +1,14 @@
 //! The record of a run-up: amplitudes over the speed of a reference gear, by frequency and by order.
 //!
-//! Amplitudes are half of peak to peak, of bearing forces that of both radial components together, root of the sum of squares.
-//! Orders count per turn of the reference gear.
+//! Amplitudes are half of peak to peak; the amplitude of a bearing force is the root of the sum of squares of those of
+//! its two radial components. Orders count per turn of the reference gear.
 
 use crate::record::Results;
 use crate::record::checks::{each, same_length};
 use crate::studies::Part;
 use serde::{Deserialize, Serialize};
 
-/// What the record of this study has of its own.
+/// The part of a record that is specific to a run-up.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct RunUpRecord {
     /// Run-ups, model by model.
@@ -16,7 +16,7 @@ pub struct RunUpRecord {
 }
 
 impl Results {
-    /// Run-ups of models; none in records of other studies.
+    /// Returns the run-ups of models; empty in records of other studies.
     pub fn run_ups(&self) -> &[ModelRunUp] {
         match &self.part {
             Part::RunUp(part) => &part.run_ups,
@@ -31,20 +31,20 @@ impl Results {
 pub struct ModelRunUp {
     /// Label of the model in its scene.
     pub label: String,
-    /// Why there is none.
+    /// Reason why the model has no run-up.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub message: String,
-    /// The reference gear.
+    /// Name of the reference gear, in whose turns orders are counted.
     pub gear: String,
-    /// From when on the run was looked at [s].
+    /// Time from which on the run is evaluated [s].
     pub onset_s: f64,
-    /// How often the reference gear turned from there on.
+    /// Number of turns of the reference gear from `onset_s` on.
     pub turns: f64,
-    /// Its lowest speed, mean of a window [rad/s].
+    /// Lowest speed of the reference gear, mean of a window [rad/s].
     pub lowest_rad_s: f64,
-    /// Its highest [rad/s].
+    /// Highest speed of the reference gear, mean of a window [rad/s].
     pub highest_rad_s: f64,
-    /// Orders that were followed.
+    /// Orders whose amplitudes were computed over the speed.
     pub orders: Vec<TrackedOrder>,
     /// Windows of equal time; their lines are frequencies [Hz].
     pub by_time: RunUpMap,
@@ -61,11 +61,11 @@ pub struct ModelRunUp {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct TrackedOrder {
-    /// Whose multiple it is.
+    /// Name of the frequency that the order is a multiple of.
     pub name: String,
     /// Cycles per turn of the reference gear.
     pub order: f64,
-    /// It is one of teeth in mesh, not of a shaft.
+    /// True for an order of teeth in mesh, false for one of a shaft.
     pub of_mesh: bool,
 }
 
@@ -73,7 +73,7 @@ pub struct TrackedOrder {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct RunUpMap {
-    /// Length of a window: [s] or turns. Lines closer than twice its inverse are not told apart.
+    /// Length of a window: [s] or turns. Lines closer than twice its inverse are not resolved.
     pub span: f64,
     /// Time in the middle of each window [s].
     pub time_s: Vec<f64>,
@@ -83,13 +83,13 @@ pub struct RunUpMap {
     pub lines: Vec<f64>,
 }
 
-/// A natural frequency.
+/// A natural frequency of the scene under its loads.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct NaturalFrequency {
-    /// Without damping [Hz].
+    /// Natural frequency without damping [Hz].
     pub frequency_hz: f64,
-    /// What holds most of its strain energy.
+    /// Name of the spring that stores most of its strain energy.
     pub name: String,
 }
 
@@ -99,7 +99,7 @@ pub struct NaturalFrequency {
 pub struct RunUpChannel {
     /// Name of its column in files.
     pub column: String,
-    /// Name for readers.
+    /// Name of the quantity in words.
     pub name: String,
     /// Unit of its amplitudes.
     pub unit: String,
@@ -108,35 +108,35 @@ pub struct RunUpChannel {
     /// Amplitudes by window of time and frequency; of planets that are alike the first has them for all.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub spectra: Vec<Vec<f64>>,
-    /// Amplitudes by window of turns and order, likewise.
+    /// Amplitudes by window of turns and order; of planets that are alike the first has them for all.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub order_spectra: Vec<Vec<f64>>,
 }
 
-/// Where an order is largest.
+/// Largest amplitude of a quantity along an order.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Peak<'a> {
-    /// The quantity.
+    /// Quantity whose amplitude peaks.
     pub channel: &'a RunUpChannel,
-    /// The order.
+    /// Order along which it peaks.
     pub order: &'a TrackedOrder,
-    /// Its largest amplitude.
+    /// Largest amplitude along the order, in the unit of the quantity.
     pub amplitude: f64,
     /// The speed there [rad/s].
     pub speed_rad_s: f64,
-    /// It lies at the end of the run-up: the order may grow further beyond.
+    /// True if it is at an end of the run-up, so that the order may grow further beyond.
     pub at_the_end: bool,
 }
 
 impl Peak<'_> {
-    /// Frequency of the order there [Hz].
+    /// Returns the frequency of the order at the peak [Hz].
     pub fn frequency_hz(&self) -> f64 {
         self.order.order * self.speed_rad_s / std::f64::consts::TAU
     }
 }
 
 impl ModelRunUp {
-    /// The peak of an order of a quantity.
+    /// Returns the peak of an order of a quantity.
     pub fn peak<'a>(&'a self, channel: &'a RunUpChannel, order: usize) -> Option<Peak<'a>> {
         let amplitudes = channel.orders.get(order)?;
         let at = (0..amplitudes.len()).max_by(|a, b| amplitudes[*a].total_cmp(&amplitudes[*b]))?;
@@ -152,7 +152,7 @@ impl ModelRunUp {
     /// Checks what the types do not enforce.
     ///
     /// # Errors
-    /// What does not fit together.
+    /// A sentence that names the lists whose lengths differ.
     pub fn validate(&self) -> Result<(), String> {
         for (key, map) in [("by_time", &self.by_time), ("by_turns", &self.by_turns)] {
             let (speeds, windows) = (map.speed_rad_s.len(), map.time_s.len());
@@ -184,7 +184,7 @@ impl ModelRunUp {
     }
 }
 
-/// The orders of each quantity with the largest amplitudes, so many of each, the largest first.
+/// Returns, for each quantity, the peaks of its `each` strongest orders, the largest first.
 pub fn strongest(run: &ModelRunUp, each: usize) -> Vec<Peak<'_>> {
     let mut all = Vec::new();
     for channel in &run.channels {

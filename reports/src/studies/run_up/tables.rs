@@ -9,14 +9,14 @@ use std::f64::consts::TAU;
 
 /// Orders of a quantity in the table.
 const EACH: usize = 4;
-/// A natural frequency so near a peak (relative) is named beside it.
+/// Relative distance up to which a natural frequency is named with a peak.
 const NEAR: f64 = 0.1;
 
 fn turns_a_minute(speed: f64) -> f64 {
     60.0 * speed / TAU
 }
 
-/// The natural frequency that a peak stands at.
+/// Returns the natural frequency of the model that is closest to the peak, if it is near.
 fn near<'a>(run: &'a ModelRunUp, peak: &Peak<'_>) -> Option<&'a NaturalFrequency> {
     let f = peak.frequency_hz();
     let off = |n: &&NaturalFrequency| (n.frequency_hz / f - 1.0).abs();

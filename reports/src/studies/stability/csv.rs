@@ -1,4 +1,4 @@
-//! The tables of maps.
+//! CSV tables of stability maps and of their limits.
 
 use super::{Cell, Columns, Limit, Map};
 use crate::csv_table::{CsvTable, number, text};
@@ -6,7 +6,7 @@ use crate::csv_table::{CsvTable, number, text};
 /// A cell of a map: its row, and whether it closes in on the largest stable step.
 type Row<'a> = (&'a Map, usize, &'a Cell, bool);
 
-/// One line per run of a map, and one per largest stable step.
+/// Returns the tables with a row per run of a map, and with a row per largest stable step.
 pub fn tables(maps: &[Map]) -> Vec<CsvTable> {
     if maps.is_empty() {
         return Vec::new();
@@ -14,7 +14,7 @@ pub fn tables(maps: &[Map]) -> Vec<CsvTable> {
     vec![cells(maps), limits(maps)]
 }
 
-/// Runs that close in on the largest stable step follow the cells of their map.
+/// Returns the table of the cells of all maps, each followed by its runs near the largest stable step.
 fn cells(maps: &[Map]) -> CsvTable {
     let axis = |map: &Map, i: usize| map.axes.get(i).map_or(String::new(), |a| a.id.clone());
     let value = |(map, row, ..): &Row<'_>, i: usize| number(map.values(*row).get(i).copied());
@@ -56,7 +56,7 @@ fn cells(maps: &[Map]) -> CsvTable {
     )
 }
 
-/// The largest stable step of every map at the scene's own parameters.
+/// Returns the table with the largest stable step of every map at the scene's own parameters.
 fn limits(maps: &[Map]) -> CsvTable {
     let theory = |map: &Map| map.theory(map.own_row()).map(|t| (t.0, t.1.to_owned()));
     CsvTable::new::<(&Map, Limit)>(

@@ -1,4 +1,4 @@
-//! The largest stable step of a map, beside that of theory.
+//! The largest stable step of a map, compared with that of theory.
 
 use super::{Cell, Columns, LineKind, Map};
 use crate::record::Status;
@@ -6,23 +6,23 @@ use crate::record::Status;
 /// Narrowest bracket of the largest stable step: its upper end over its lower end.
 pub const BRACKET: f64 = 1.02;
 
-/// Whether a run lost its stability. One whose contact pulled has a force history that no contact has, but it went on:
-/// that says nothing of growth.
+/// True if a run became unstable. A run with an adhesive contact force has a force history that no contact has, but its
+/// energy did not grow: it counts as stable.
 #[must_use]
 pub fn is_lost(status: Status) -> bool {
     status.is_failure() && status != Status::AdhesiveForce
 }
 
-/// The largest step at the scene's own parameters up to which every run held.
+/// The largest stable step at the scene's own parameters, with the next larger step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Limit {
-    /// Largest step up to which every run held \[s\].
+    /// Largest step up to which every run was stable \[s\].
     pub stable_s: Option<f64>,
     /// The next larger one that was tried, which failed \[s\].
     pub unstable_s: Option<f64>,
-    /// How it failed.
+    /// Status of the run at `unstable_s`.
     pub status: Option<Status>,
-    /// Some larger steps hold again.
+    /// True if some larger steps are stable again.
     pub holds_again: bool,
     /// Largest step up to which every run was within the tolerance \[s\].
     pub accurate_s: Option<f64>,
@@ -31,7 +31,8 @@ pub struct Limit {
 }
 
 impl Limit {
-    /// Whether a further run between the two would narrow the bracket.
+    /// Returns the step at which a further run narrows the bracket, the geometric mean of its ends; `None` once it is
+    /// narrow enough.
     #[must_use]
     pub fn next(&self) -> Option<f64> {
         let (a, b) = (self.stable_s?, self.unstable_s?);
@@ -40,8 +41,8 @@ impl Limit {
 }
 
 impl Map {
-    /// The largest stable step at the scene's own parameters; `None` for tolerances. Runs that were stopped for
-    /// their many steps say nothing of stability: those at the smallest steps are passed over.
+    /// Returns the largest stable step at the scene's own parameters; `None` for tolerances. Runs that were stopped for
+    /// their many steps have no verdict on stability: those at the smallest steps are skipped.
     pub fn limit(&self) -> Option<Limit> {
         if self.columns != Columns::Step {
             return None;
@@ -67,7 +68,7 @@ impl Map {
         })
     }
 
-    /// The smallest step in a row at which theory says the method becomes unstable, with what it says.
+    /// Returns the smallest step in a row at which the method is unstable by theory, with the label of the theory.
     pub fn theory(&self, row: usize) -> Option<(f64, &str)> {
         (self.lines.iter())
             .filter(|l| l.kind == LineKind::Stability)
@@ -75,7 +76,7 @@ impl Map {
             .min_by(|a, b| a.0.total_cmp(&b.0))
     }
 
-    /// The largest stable step over that of theory, where both are known.
+    /// Returns the largest stable step over that of theory, where both are known.
     pub fn ratio(&self) -> Option<f64> {
         let limit = self.limit()?;
         let (found, theory) = (limit.stable_s?, self.theory(self.own_row())?.0);
@@ -88,7 +89,7 @@ mod tests {
     use super::*;
     use crate::studies::stability::MapAxis;
 
-    /// A map of one axis whose own row ended as given, other rows converged.
+    /// Returns a map of one axis whose own row ended as given, other rows converged.
     fn map(own: &[(f64, Status)]) -> Map {
         let at: Vec<f64> = own.iter().map(|x| x.0).collect();
         let cell = |at: f64, status| Cell {

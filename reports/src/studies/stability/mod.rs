@@ -1,8 +1,7 @@
-//! What a study of stability says: maps of how runs ended over step and parameters, and the largest step that held.
+//! The study of stability: maps of how runs ended over step and parameters, and the largest stable step.
 //!
-//! A map belongs to one model under one integrator. Its cells stand in rows of one value of every axis, and a row runs
-//! from the smallest to the largest step (or tolerance, for methods that choose their steps). Every cell has exactly one
-//! [`Status`].
+//! A map belongs to one model under one integrator. A row has one value of every axis, and its cells go from the
+//! smallest to the largest step (or tolerance, for methods with step control). Every cell has exactly one [`Status`].
 
 mod charts;
 mod csv;
@@ -20,7 +19,7 @@ use maud::Markup;
 use serde::{Deserialize, Serialize};
 
 words! {
-    /// What the columns of a map are.
+    /// Quantity along the columns of a map.
     pub enum Columns {
         /// Fixed steps \[s\].
         #[default]
@@ -30,7 +29,7 @@ words! {
     }
 }
 
-/// A parameter that a map goes over.
+/// A parameter that a map varies.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct MapAxis {
     /// Id, such as `contact-stiffness`.
@@ -40,20 +39,20 @@ pub struct MapAxis {
     /// Unit, empty for ratios and counts.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub unit: String,
-    /// Its values, ascending.
+    /// Values of the parameter, ascending.
     pub values: Vec<f64>,
     /// Place of the scene's own value among them.
     pub own: usize,
 }
 
-/// How one run ended.
+/// Status and work of one run of a map.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Cell {
     /// Step \[s\] or relative tolerance [-].
     pub at: f64,
-    /// How it ended.
+    /// Status of the run.
     pub status: Status,
-    /// Why, or what to know of it.
+    /// Reason of the status, or a remark on the run.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub message: Option<String>,
     /// Error against the model's own converged solution, in the metric of the tolerance.
@@ -65,18 +64,18 @@ pub struct Cell {
     /// Simulated time reached \[s\].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub reached_s: Option<f64>,
-    /// Accepted steps.
+    /// Number of accepted steps.
     pub steps: u64,
-    /// Rejected steps.
+    /// Number of rejected steps.
     pub rejected: u64,
-    /// Evaluations of the force.
+    /// Number of evaluations of the force.
     pub force_evaluations: u64,
-    /// Newton iterations.
+    /// Number of Newton iterations.
     pub newton_iterations: u64,
 }
 
 words! {
-    /// What a line of theory stands for.
+    /// Kind of a line of theory.
     pub enum LineKind {
         /// Beyond this step the linear system grows.
         #[default]
@@ -91,15 +90,15 @@ words! {
 /// A line of theory over the rows of a map.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct MapLine {
-    /// What it says, such as `omega_max h = 2`.
+    /// Label of the line, such as `omega_max h = 2`.
     pub label: String,
-    /// What it stands for.
+    /// Kind of the line.
     pub kind: LineKind,
     /// Step of every row \[s\]; none where theory has none.
     pub step_s: Vec<Option<f64>>,
 }
 
-/// The model's own converged solution that the cells of a row are held against.
+/// The model's own converged solution that the cells of a row are compared with.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SelfReference {
     /// Method and tolerance of the solution and of the run that checks it.
@@ -107,7 +106,7 @@ pub struct SelfReference {
     /// Distance of the two in the metric of the tolerance.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub checked: Option<f64>,
-    /// Why there is none; the cells are then classified by the energy ledger alone.
+    /// Reason why there is no solution; the cells are then classified by the energy ledger alone.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub missing: Option<String>,
 }
@@ -117,36 +116,37 @@ pub struct SelfReference {
 pub struct Map {
     /// Maps of one set share axes and duration.
     pub set: usize,
-    /// Model id.
+    /// Id of the model.
     pub model: String,
-    /// What sets this model apart from others of its id.
+    /// Variant that distinguishes the model from others of its id.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub variant: Option<String>,
-    /// Integrator.
+    /// Integrator with its parameters.
     pub integrator: String,
-    /// Whether it is implicit.
+    /// True if the integrator is implicit.
     pub implicit: bool,
     /// Simulated time \[s\].
     pub duration_s: f64,
-    /// What the columns are.
+    /// Quantity along the columns.
     pub columns: Columns,
     /// Steps or tolerances, ascending.
     pub at: Vec<f64>,
-    /// One or two parameters.
+    /// One or two parameters that the map varies.
     pub axes: Vec<MapAxis>,
     /// The cells: along the columns first, then along the first axis, then along the second.
     pub cells: Vec<Cell>,
-    /// Runs at the scene's own parameters that close in on the largest stable step, in the order they were made.
+    /// Runs at the scene's own parameters that narrow the bracket of the largest stable step, in the order they were
+    /// made.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub refined: Vec<Cell>,
-    /// Theory beside.
+    /// Lines of theory over the map.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub lines: Vec<MapLine>,
     /// Converged solutions, one per row.
     pub references: Vec<SelfReference>,
 }
 
-/// Each pair of model and integrator once, by its first map: several sets may have it.
+/// Returns each pair of model and integrator once, by its first map; several sets may contain the pair.
 pub(crate) fn once<'a>(maps: impl IntoIterator<Item = &'a Map>) -> Vec<&'a Map> {
     let mut found: Vec<&Map> = Vec::new();
     for map in maps {
@@ -160,7 +160,7 @@ pub(crate) fn once<'a>(maps: impl IntoIterator<Item = &'a Map>) -> Vec<&'a Map> 
 }
 
 impl Map {
-    /// The model with its variant.
+    /// Returns the label of the model with its variant.
     pub fn model_label(&self) -> String {
         match &self.variant {
             Some(variant) => format!("{}, {variant}", self.model),
@@ -168,25 +168,25 @@ impl Map {
         }
     }
 
-    /// Number of rows.
+    /// Returns the number of rows, one per combination of parameter values.
     pub fn rows(&self) -> usize {
         self.axes.iter().map(|a| a.values.len()).product()
     }
 
-    /// The row of the scene's own parameters.
+    /// Returns the index of the row of the scene's own parameters.
     pub fn own_row(&self) -> usize {
         let second = self.axes.get(1).map_or(0, |a| a.own);
         let (own, length) = (self.axes.first()).map_or((0, 1), |a| (a.own, a.values.len()));
         second * length + own
     }
 
-    /// The cells of a row.
+    /// Returns the cells of a row.
     pub fn row(&self, row: usize) -> &[Cell] {
         let n = self.at.len();
         self.cells.get(row * n..(row + 1) * n).unwrap_or(&[])
     }
 
-    /// Values of the axes in a row.
+    /// Returns the values of the axes in a row.
     pub fn values(&self, row: usize) -> Vec<f64> {
         let mut rest = row;
         let mut value = |a: &MapAxis| {
@@ -198,7 +198,7 @@ impl Map {
         self.axes.iter().map(&mut value).collect()
     }
 
-    /// Number of cells of each status, in the order of [`Status::ALL`].
+    /// Returns the number of cells of each status, in the order of [`Status::ALL`].
     pub fn counts(&self) -> [usize; Status::ALL.len()] {
         Status::ALL.map(|s| self.cells.iter().filter(|c| c.status == s).count())
     }
@@ -247,7 +247,7 @@ impl Map {
     }
 }
 
-/// What the record of this study has of its own.
+/// The part of a record that is specific to a study of stability.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct StabilityRecord {
     /// Maps of where methods fail.
@@ -256,7 +256,7 @@ pub struct StabilityRecord {
 }
 
 impl Results {
-    /// Maps of where methods fail; none in records of other studies.
+    /// Returns the stability maps; empty in records of other studies.
     pub fn maps(&self) -> &[Map] {
         match &self.part {
             Part::Stability(part) => &part.maps,
@@ -265,7 +265,7 @@ impl Results {
     }
 }
 
-/// What the study says of a record.
+/// Returns the report of a study of stability.
 pub(super) fn report(part: &StabilityRecord) -> Result<StudyReport, DrawError> {
     Ok(StudyReport {
         finding: tables::finding(&part.maps),

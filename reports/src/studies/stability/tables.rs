@@ -7,7 +7,7 @@ use crate::numbers::{count, counted, per_cent, quantity, short, times};
 use crate::record::Status;
 use maud::{Markup, html};
 
-/// Labels of models in the order of appearance.
+/// Returns the labels of models in the order of appearance.
 fn models(maps: &[Map]) -> Vec<String> {
     let mut found: Vec<String> = Vec::new();
     for label in maps.iter().map(Map::model_label) {
@@ -18,7 +18,7 @@ fn models(maps: &[Map]) -> Vec<String> {
     found
 }
 
-/// The largest stable step in words.
+/// Returns the largest stable step in words.
 fn step(limit: &Limit) -> String {
     match (limit.stable_s, limit.unstable_s) {
         (Some(h), Some(_)) => quantity(h, "s", 3),
@@ -74,7 +74,7 @@ pub fn finding(maps: &[Map]) -> Vec<Markup> {
     parts
 }
 
-/// The smallest and the largest limit of a model, and the methods that never failed.
+/// Returns the sentence on the smallest and the largest limit of a model, and on the methods that never failed.
 fn about(label: &str, maps: &[&Map]) -> Option<Markup> {
     let mut limited: Vec<(f64, &Map)> = (maps.iter())
         .filter_map(|m| {
@@ -112,7 +112,8 @@ fn about(label: &str, maps: &[&Map]) -> Option<Markup> {
     Some(html! { b { (label) } " " (range) (held) })
 }
 
-/// Where every explicit method of a model fails and an implicit one does not.
+/// Returns the sentence on combinations of step and parameters at which every explicit method is unstable, and the
+/// numbers of those at which an implicit one is stable or accurate.
 fn beside(maps: &[Map]) -> Option<String> {
     let (mut lost, mut kept, mut accurate) = (0, 0, 0);
     for label in models(maps) {
@@ -153,12 +154,12 @@ fn beside(maps: &[Map]) -> Option<String> {
     })
 }
 
-/// The largest stable steps and how often each label occurs.
+/// Returns the tables of the largest stable steps and of the frequency of each label.
 pub fn tables(maps: &[Map]) -> Markup {
     html! { (limits(maps)) (labels(maps)) (references(maps)) }
 }
 
-/// Maps with those of a model beside each other.
+/// Returns the maps ordered by model, in the order of appearance.
 fn by_model<'a>(maps: impl Iterator<Item = &'a Map>) -> Vec<&'a Map> {
     let mut all: Vec<&Map> = maps.collect();
     let order: Vec<String> = all.iter().map(|m| m.model_label()).collect();
@@ -166,7 +167,7 @@ fn by_model<'a>(maps: impl Iterator<Item = &'a Map>) -> Vec<&'a Map> {
     all
 }
 
-/// A table of maps under the names of their models.
+/// Returns a table of maps under the names of their models.
 fn table<'r, 'a>(rows: &'r [&'a Map]) -> Table<'r, &'a Map> {
     let mut labels: Vec<String> = rows.iter().map(|m| m.model_label()).collect();
     labels.dedup();
@@ -238,7 +239,7 @@ fn labels(maps: &[Map]) -> Markup {
     section("How runs ended", table)
 }
 
-/// The converged solutions: how they were made and checked, or why there are none.
+/// Returns the table of converged solutions: method and check, or the reason why there is none.
 fn references(maps: &[Map]) -> Markup {
     let mut lines: Vec<(String, String, usize, f64)> = Vec::new();
     for label in models(maps) {

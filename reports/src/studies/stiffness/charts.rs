@@ -1,4 +1,4 @@
-//! Mesh stiffness, load sharing and transmission error over the path of contact.
+//! Charts of mesh stiffness, load sharing and transmission error over the path of contact.
 
 use super::{ModelStiffness, PER_MM_UM, StiffnessPosition};
 use crate::drawing::Chart;
@@ -9,10 +9,10 @@ use crate::drawing::panel::{Curve, Panel, chart};
 use crate::drawing::style::model_stroke;
 use crate::numbers::{round_quantity, short};
 
-/// Room beside the path on the abscissa.
+/// Margin beyond the path of contact on the abscissa [base pitches].
 const MARGIN: f64 = 0.08;
 
-/// Values of the cycle, repeated with the base pitch at all positions within a range.
+/// Returns the values of the cycle, repeated with the base pitch at all positions within a range.
 fn repeated(
     model: &ModelStiffness,
     value: impl Fn(&StiffnessPosition) -> f64,
@@ -30,7 +30,7 @@ fn repeated(
         .collect()
 }
 
-/// The part of the load that one tooth pair carries along its path [%].
+/// Returns the part of the load that one tooth pair carries along its path [%].
 fn shares(model: &ModelStiffness) -> Vec<(f64, f64)> {
     let positions = model.positions.iter();
     let mut all: Vec<(f64, f64)> = positions
@@ -45,7 +45,7 @@ fn shares(model: &ModelStiffness) -> Vec<(f64, f64)> {
     all
 }
 
-/// The chart of all models under one load.
+/// Draws the chart of all models under one load.
 pub fn charts(stiffness: &[ModelStiffness]) -> Result<Vec<Chart>, DrawError> {
     let shown = || {
         let all = stiffness.iter().enumerate();

@@ -1,10 +1,10 @@
-//! Tables of static stiffness: a line per model, and a table per model over the positions.
+//! CSV tables of static stiffness: a row per model, and a table per model over the positions.
 
 use super::{ModelStiffness, StiffnessPosition};
 use crate::csv_table::{CsvTable, number};
 use crate::record::slug;
 
-/// The table of models, and the cycle of each.
+/// Returns the table of models, and the table of the mesh cycle of each.
 pub fn tables(stiffness: &[ModelStiffness]) -> Vec<CsvTable> {
     let mut all = vec![models(stiffness)];
     for model in stiffness.iter().filter(|m| !m.positions.is_empty()) {

@@ -11,7 +11,7 @@ pub use record::{
     LinePressure, ModelStiffness, PER_MM_UM, PairLoad, StiffnessPosition, StiffnessRecord,
 };
 
-/// What the study says of a record.
+/// Returns the report of static stiffness.
 pub(super) fn report(stiffness: &[ModelStiffness]) -> Result<StudyReport, DrawError> {
     Ok(StudyReport {
         finding: tables::finding(stiffness),

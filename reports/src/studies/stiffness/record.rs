@@ -1,7 +1,7 @@
 //! The record of static stiffness: models and formulas under one load, at positions over one base pitch.
 //!
-//! Both hubs are held; the first gear is turned by its approach until the mesh carries the load. Positions are path
-//! coordinates of the reference pair: along the line of action, growing in the direction in which contact moves.
+//! Both hubs are fixed; the first gear is turned by its approach until the mesh carries the load. Positions are path
+//! coordinates of the reference pair along the line of action, growing in the direction in which contact moves.
 
 use crate::record::Results;
 use crate::record::checks::each;
@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 /// N/(mm um) in \[N/m^2\]: the unit of ISO 6336-1.
 pub const PER_MM_UM: f64 = 1e9;
 
-/// What the record of this study has of its own.
+/// The part of a record that is specific to static stiffness.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct StiffnessRecord {
     /// Models of the scene, and behind them formulas.
@@ -19,7 +19,7 @@ pub struct StiffnessRecord {
 }
 
 impl Results {
-    /// Static stiffness of models; none in records of other studies.
+    /// Returns the static stiffness of models; empty in records of other studies.
     pub fn stiffness(&self) -> &[ModelStiffness] {
         match &self.part {
             Part::Stiffness(part) => &part.stiffness,
@@ -34,12 +34,12 @@ impl Results {
 pub struct ModelStiffness {
     /// Label of the model in its scene, or the name of the formula.
     pub label: String,
-    /// Why there are no numbers.
+    /// Reason why the model has no numbers.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub message: String,
-    /// What its stiffness includes.
+    /// Compliances that the stiffness of the model includes, in words.
     pub includes: String,
-    /// Formulas in it that have left their range: its numbers are no better than they are there.
+    /// Formulas of the model beyond their range of validity, which limits the accuracy of its numbers.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub limits: Vec<String>,
     /// Force along the line of action \[N\].
@@ -52,23 +52,23 @@ pub struct ModelStiffness {
     pub pitch_point_m: f64,
     /// Path coordinates of start and end of contact \[m\].
     pub path_m: [f64; 2],
-    /// Stiffness of one pair per width \[N/m^2\]: what a norm states, else the largest secant.
+    /// Stiffness of one pair per width \[N/m^2\]: the value of the norm, else the largest secant.
     pub single_stiffness_n_per_m2: f64,
     /// Secant stiffness of the pair at the pitch point per width \[N/m^2\].
     pub at_pitch_point_n_per_m2: f64,
-    /// Stiffness of the mesh per width \[N/m^2\]: what a norm states, else the mean secant.
+    /// Stiffness of the mesh per width \[N/m^2\]: the value of the norm, else the mean secant.
     pub mesh_stiffness_n_per_m2: f64,
     /// Mean tangent stiffness of the mesh per width \[N/m^2\].
     pub mesh_tangent_n_per_m2: f64,
     /// Mean static transmission error \[m\].
     pub error_mean_m: f64,
-    /// Greatest less least static transmission error \[m\].
+    /// Peak to peak of the static transmission error \[m\].
     pub error_peak_to_peak_m: f64,
     /// Coordinates that were solved for.
     pub unknowns: usize,
-    /// Equilibria that were solved.
+    /// Number of equilibria that were solved.
     pub equilibria: u64,
-    /// Iterations of Newton's method.
+    /// Number of iterations of Newton's method.
     pub newton_iterations: u64,
     /// Wall time of the set-up: meshes, factors \[s\].
     pub setup_s: f64,
@@ -101,9 +101,9 @@ pub struct StiffnessPosition {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct PairLoad {
-    /// How many base pitches it is ahead of the reference pair.
+    /// Number of base pitches by which the pair is ahead of the reference pair.
     pub offset: i64,
-    /// Its part of the force \[N\].
+    /// Part of the force that the pair carries \[N\].
     pub force_n: f64,
 }
 
@@ -111,19 +111,19 @@ pub struct PairLoad {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct LinePressure {
-    /// Half the width of the line \[m\].
+    /// Half width of the contact \[m\].
     pub half_width_m: f64,
     /// Hertz's pressure in its middle \[Pa\].
     pub peak_pa: f64,
 }
 
 impl StiffnessPosition {
-    /// Force over approach \[N/m\].
+    /// Returns the secant stiffness, force over approach \[N/m\].
     pub fn secant(&self) -> f64 {
         self.force_n / self.error_m
     }
 
-    /// Force of the pair so many base pitches ahead of the reference pair \[N\].
+    /// Returns the force of the pair `offset` base pitches ahead of the reference pair \[N\].
     pub fn pair(&self, offset: i64) -> f64 {
         let of = self.pairs.iter().find(|p| p.offset == offset);
         of.map_or(0.0, |p| p.force_n)
@@ -145,18 +145,18 @@ impl ModelStiffness {
         })
     }
 
-    /// A path coordinate from the pitch point, over the base pitch.
+    /// Returns a path coordinate relative to the pitch point, over the base pitch.
     pub fn relative(&self, path_coordinate_m: f64) -> f64 {
         (path_coordinate_m - self.pitch_point_m) / self.base_pitch_m
     }
 
-    /// The least and the greatest offset of pairs that carry load.
+    /// Returns the least and the greatest offset of pairs that carry load.
     pub fn offsets(&self) -> [i64; 2] {
         let pairs = self.positions.iter().flat_map(|p| &p.pairs);
         pairs.fold([0, 0], |[a, b], p| [a.min(p.offset), b.max(p.offset)])
     }
 
-    /// The load over the common face width \[N/m\].
+    /// Returns the load over the common face width \[N/m\].
     pub fn line_load(&self) -> f64 {
         self.force_n / self.face_width_m
     }

@@ -6,7 +6,7 @@ use crate::markup::{glance, note, prose};
 use crate::numbers::{count, quantity, round_quantity, short, significant};
 use maud::{Markup, html};
 
-/// Models with numbers, each with its place.
+/// Returns the models with numbers, each with its place.
 fn solved(stiffness: &[ModelStiffness]) -> Vec<(usize, &ModelStiffness)> {
     let all = stiffness.iter().enumerate();
     all.filter(|(_, m)| !m.positions.is_empty()).collect()

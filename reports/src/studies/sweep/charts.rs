@@ -17,7 +17,7 @@ const KHZ: f64 = 1e-3;
 const UM: f64 = 1e6;
 const X_NAME: &str = "mesh frequency [kHz]";
 
-/// Lines at the mesh resonance and where harmonics of the mesh frequency meet it.
+/// Returns the vertical lines at the mesh resonance and at the mesh frequencies whose harmonics equal it.
 fn orders(resonance: Option<f64>, axis: &Axis) -> Vec<(f64, String)> {
     let Some(f) = resonance else {
         return Vec::new();
@@ -36,7 +36,7 @@ fn orders(resonance: Option<f64>, axis: &Axis) -> Vec<(f64, String)> {
         .collect()
 }
 
-/// The same lines without their names.
+/// Returns the vertical lines of `marks` without their names.
 fn unnamed(marks: &[(f64, String)]) -> Vec<(f64, String)> {
     marks.iter().map(|(x, _)| (*x, String::new())).collect()
 }
@@ -46,17 +46,17 @@ fn legend(all: &[Swept<'_>]) -> Vec<Entry> {
     all.iter().map(entry).collect()
 }
 
-/// On the way down markers are open.
+/// True if markers are filled; on the way down they are open.
 fn filled(s: &Swept<'_>) -> bool {
     s.branch != Branch::Down
 }
 
-/// Every run that settled.
+/// Returns all runs that settled.
 fn settled<'s>(all: &'s [Swept<'_>]) -> impl Iterator<Item = &'s Steady> {
     all.iter().flat_map(|s| s.runs.iter().map(|r| r.0))
 }
 
-/// The charts of a sweep.
+/// Draws the charts of a sweep.
 pub fn sweep(
     all: &[Swept<'_>],
     statics: &[StaticCycle],
@@ -164,7 +164,7 @@ fn over_speed(all: &[Swept<'_>], x: &Axis, two: &[Bistable]) -> Result<Chart, Dr
     chart("sweep.svg", title, caption, &legend(all), &panels)
 }
 
-/// The first harmonics over speed, of the most detailed model.
+/// Draws the first harmonics over speed, of the most detailed model.
 fn harmonics(all: &[Swept<'_>], x: &Axis) -> Result<Option<Chart>, DrawError> {
     const SHOWN: usize = 4;
     let Some(s) = (all.iter().rev()).find(|s| s.first && s.runs.len() > 1) else {
@@ -222,7 +222,7 @@ fn harmonics(all: &[Swept<'_>], x: &Axis) -> Result<Option<Chart>, DrawError> {
     .map(Some)
 }
 
-/// Transmission error over two mesh cycles: at rest, slow, and where each resonance is.
+/// Draws the transmission error over two mesh cycles: quasi-static, at low speed, and at each resonance.
 fn cycles(still: &[StaticCycle], all: &[Swept<'_>]) -> Result<Option<Chart>, DrawError> {
     let Some(detailed) = all.iter().rev().find(|s| !s.runs.is_empty()) else {
         return Ok(None);
@@ -299,7 +299,7 @@ fn cycles(still: &[StaticCycle], all: &[Swept<'_>]) -> Result<Option<Chart>, Dra
     chart("sweep_cycles.svg", title, caption, &names, &panels).map(Some)
 }
 
-/// Look of a model that was not swept.
+/// Look of the quasi-static limit of a model without runs in the sweep.
 const STANDING: Look = Look {
     ink: Ink::DARK,
     dash: &[],

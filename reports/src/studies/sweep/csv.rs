@@ -1,4 +1,4 @@
-//! The tables of a sweep: speeds, mesh cycles, static limits.
+//! CSV tables of a sweep: speeds, mesh cycles, quasi-static limits.
 
 use super::{ShaftOrders, StaticCycle, Steady};
 use crate::csv_table::{CsvColumn, CsvTable, number};
@@ -6,7 +6,7 @@ use crate::record::{Results, Run};
 
 type Settled<'a> = (&'a Run, &'a Steady);
 
-/// The tables that a record has data for.
+/// Returns the tables that a record has data for.
 pub fn tables(results: &Results, still: &[StaticCycle]) -> Vec<CsvTable> {
     let steady: Vec<Settled<'_>> = (results.runs.iter())
         .filter_map(|r| Some((r, r.steady.as_ref()?)))
@@ -24,7 +24,7 @@ pub fn tables(results: &Results, still: &[StaticCycle]) -> Vec<CsvTable> {
     all
 }
 
-/// Scalars of steady running at a speed.
+/// Returns the columns with the scalars of steady running at a speed.
 pub fn steady_columns() -> [CsvColumn<'static, Steady>; 12] {
     [
         ("branch", &|s| s.branch.to_string()),

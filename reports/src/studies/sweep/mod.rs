@@ -1,4 +1,4 @@
-//! The study of loaded running at speed after speed: transmission error, bearing forces, spectra.
+//! The study of loaded running over a sequence of speeds: transmission error, bearing forces, spectra.
 
 mod charts;
 mod csv;
@@ -16,28 +16,29 @@ pub use record::{
     Bearing, Bistable, Branch, ShaftOrders, StaticCycle, Steady, SweepRecord, bistable,
 };
 
-/// A model with its runs by mesh frequency, in one way of coming to the speed.
+/// Runs of a model by mesh frequency, on one branch.
 pub struct Swept<'a> {
-    /// Its name.
+    /// Label of the model.
     pub label: String,
     /// Place of the model in the order of appearance.
     pub style: usize,
-    /// How its runs came to their speed.
+    /// Branch of the runs.
     pub branch: Branch,
-    /// Nothing of its model stands before it.
+    /// True if this is the first branch of its model.
     pub first: bool,
     /// Runs that settled, ascending in mesh frequency.
     pub runs: Vec<(&'a Steady, &'a Run)>,
-    /// Runs that reached their end and did not settle, likewise: their amplitude stands for no speed.
+    /// Runs that reached their end without settling, ascending in mesh frequency; their amplitude belongs to no steady
+    /// state.
     pub unsettled: Vec<(&'a Steady, &'a Run)>,
     /// Mesh frequencies at which it failed \[Hz\].
     pub failed: Vec<f64>,
-    /// Its static limit.
+    /// Quasi-static mesh cycle of the model.
     pub statics: Option<&'a StaticCycle>,
 }
 
 impl Swept<'_> {
-    /// The speed with the largest transmission error.
+    /// Returns the steady state with the largest root mean square of the transmission error.
     pub fn peak(&self) -> Option<&Steady> {
         let rms = |s: &Steady| s.error_rms_m;
         (self.runs.iter())
@@ -46,7 +47,7 @@ impl Swept<'_> {
     }
 }
 
-/// The models of a sweep.
+/// Returns the models of a sweep, one entry per branch.
 pub fn swept<'a>(view: &View<'a>, statics: &'a [StaticCycle]) -> Vec<Swept<'a>> {
     let mut all = Vec::new();
     for g in &view.groups {
@@ -84,12 +85,12 @@ pub fn swept<'a>(view: &View<'a>, statics: &'a [StaticCycle]) -> Vec<Swept<'a>> 
     all
 }
 
-/// Resonance of the mesh: that of the last model that has one, the most detailed of a scene.
+/// Returns the resonance of the mesh by the last model that has one, the most detailed of a scene [Hz].
 pub fn resonance(all: &[Swept<'_>]) -> Option<f64> {
     all.iter().rev().find_map(|s| s.statics?.resonance_hz)
 }
 
-/// What the study says of a record.
+/// Returns the report of a sweep.
 pub(super) fn report(view: &View<'_>, statics: &[StaticCycle]) -> Result<StudyReport, DrawError> {
     let all = swept(view, statics);
     let two = bistable(view.results);

@@ -1,9 +1,9 @@
-//! Records of loaded running: what a run settles to over whole mesh cycles, and the static limit beside it.
+//! The record of loaded running: steady states over whole mesh cycles, and the quasi-static limit.
 //!
-//! Transmission error is how far the first gear has turned ahead of rigid, unmodified flanks in touch, on the line of
-//! action \[m\]: positive under load. Positions in a cycle are path coordinates of the reference pair from the pitch
-//! point over the base pitch, as the second gear has it. Harmonics are amplitudes (half of peak to peak) at one, two,
-//! ... times the mesh frequency.
+//! The transmission error is the displacement of the first gear ahead of rigid, unmodified flanks in contact, along the
+//! line of action \[m\], positive under load. Positions in a cycle are path coordinates of the reference pair from the
+//! pitch point over the base pitch, computed from the rotation of the second gear. Harmonics are amplitudes (half of
+//! peak to peak) at one, two, ... times the mesh frequency.
 
 use crate::record::checks::same_length;
 use crate::record::{Results, Run};
@@ -11,16 +11,16 @@ use crate::studies::Part;
 use crate::words::words;
 use serde::{Deserialize, Serialize};
 
-/// What the record of this study has of its own.
+/// The part of a record that is specific to loaded running.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SweepRecord {
-    /// Static limits.
+    /// Quasi-static mesh cycles, one per model: the limit of low speed.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub statics: Vec<StaticCycle>,
 }
 
 impl Results {
-    /// Static limits; none in records of other studies.
+    /// Returns the quasi-static mesh cycles; empty in records of other studies.
     pub fn statics(&self) -> &[StaticCycle] {
         match &self.part {
             Part::Sweep(part) => &part.statics,
@@ -30,20 +30,20 @@ impl Results {
 }
 
 words! {
-    /// How a run came to its speed. A mesh with backlash may run in more than one way at the same speed, and goes on in
-    /// the way it comes from.
+    /// Initial state of a run at its speed. A mesh with backlash may have several steady states at one speed, and stays
+    /// on the branch that it comes from.
     pub enum Branch {
-        /// From teeth that touch unloaded, under a rising load.
+        /// Start from unloaded contact, under a rising load.
         #[default]
         Fresh = "fresh",
-        /// From what the next lower speed settled to.
+        /// Start from the steady state of the next lower speed.
         Up = "up",
-        /// From what the next higher speed settled to.
+        /// Start from the steady state of the next higher speed.
         Down = "down",
     }
 }
 
-/// Speeds at which a model runs in one way on the way up and in another on the way down.
+/// Ranges of mesh frequency in which a model has different steady states on the way up and on the way down.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Bistable {
     /// The model, as its runs call it.
@@ -52,10 +52,11 @@ pub struct Bistable {
     pub ranges: Vec<[f64; 2]>,
 }
 
-/// Difference of the transmission errors (root mean square) up and down, over the greater, from which on they are two.
+/// Relative difference of the transmission errors (root mean square) up and down from which on they are two steady
+/// states.
 const APART: f64 = 0.1;
 
-/// The models of a record that run in two ways, and where.
+/// Returns the models of a record with two steady states at one speed, and the ranges of mesh frequency.
 pub fn bistable(results: &Results) -> Vec<Bistable> {
     let steady = |branch: Branch, label: &str| -> Vec<&Steady> {
         let mut found: Vec<&Steady> = (results.runs.iter())
@@ -99,7 +100,7 @@ pub fn bistable(results: &Results) -> Vec<Bistable> {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Steady {
-    /// How the run came to its speed.
+    /// Initial state of the run at its speed.
     pub branch: Branch,
     /// Mesh frequency \[Hz\], of the mean speed in the window.
     pub mesh_frequency_hz: f64,
@@ -111,13 +112,14 @@ pub struct Steady {
     pub error_mean_m: f64,
     /// Root mean square about the mean \[m\].
     pub error_rms_m: f64,
-    /// Greatest less least \[m\].
+    /// Peak to peak of the transmission error \[m\].
     pub error_peak_to_peak_m: f64,
-    /// Harmonics \[m\].
+    /// Amplitudes of the transmission error at one, two, ... times the mesh frequency \[m\].
     pub error_harmonics_m: Vec<f64>,
-    /// Greatest less least of its mean over a running mesh cycle \[m\]: what deviations from tooth to tooth make of it.
+    /// Peak to peak of the transmission error averaged over a moving mesh cycle \[m\]: the part by deviations from
+    /// tooth to tooth.
     pub error_long_peak_to_peak_m: f64,
-    /// Amplitudes at the orders of the shafts, where whole turns were measured.
+    /// Amplitudes at the orders of the shafts; empty unless whole turns were measured.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub shaft_orders: Vec<ShaftOrders>,
     /// Mean contact force \[N\].
@@ -126,7 +128,7 @@ pub struct Steady {
     pub force_peak_n: f64,
     /// Part of the time without any contact force [-].
     pub separated: f64,
-    /// What does not repeat from cycle to cycle, over what does: root mean squares [-].
+    /// Root mean square of the part that does not repeat from cycle to cycle, over that of the part that does [-].
     pub irregular: f64,
     /// Bearing forces by gear.
     pub bearings: Vec<Bearing>,
@@ -144,7 +146,7 @@ pub struct Steady {
 pub struct ShaftOrders {
     /// Name of the gear.
     pub gear: String,
-    /// Its number of teeth, the order of the mesh frequency.
+    /// Number of teeth, the order of the mesh frequency.
     pub teeth: usize,
     /// Amplitudes at one, two, ... times its turns per second \[m\].
     pub error_m: Vec<f64>,
@@ -178,9 +180,9 @@ pub struct StaticCycle {
     pub position: Vec<f64>,
     /// Static transmission error there \[m\].
     pub error_m: Vec<f64>,
-    /// Mean \[m\].
+    /// Mean transmission error \[m\].
     pub error_mean_m: f64,
-    /// Greatest less least \[m\].
+    /// Peak to peak of the transmission error \[m\].
     pub error_peak_to_peak_m: f64,
     /// Mean tangent stiffness along the line of action \[N/m\].
     pub tangent_n_per_m: f64,
@@ -193,7 +195,7 @@ pub struct StaticCycle {
 }
 
 impl Steady {
-    /// Whether every number is one.
+    /// True if every number is finite.
     pub fn is_finite(&self) -> bool {
         let single = [
             self.mesh_frequency_hz,
@@ -249,7 +251,7 @@ impl StaticCycle {
         )
     }
 
-    /// Whether every number is one.
+    /// True if every number is finite.
     pub fn is_finite(&self) -> bool {
         let single = [
             self.force_n,
@@ -261,7 +263,7 @@ impl StaticCycle {
         lists.chain(&single).all(|x| x.is_finite())
     }
 
-    /// Root mean square of the error about its mean \[m\].
+    /// Computes the root mean square of the transmission error about its mean \[m\].
     pub fn rms(&self) -> f64 {
         let n = self.error_m.len().max(1) as f64;
         let of = |e: &f64| (e - self.error_mean_m).powi(2);

@@ -78,7 +78,7 @@ pub fn finding(view: &View<'_>, all: &[Swept<'_>], two: &[Bistable]) -> Vec<Mark
     sentences
 }
 
-/// Peaks and static values per model.
+/// Returns the table of peaks and quasi-static values per model.
 pub fn tables(all: &[Swept<'_>]) -> Markup {
     if all.is_empty() {
         return Markup::default();
@@ -130,7 +130,7 @@ pub fn tables(all: &[Swept<'_>]) -> Markup {
     glance("At a glance", html! { (table) (remark) })
 }
 
-/// Every speed of every model.
+/// Returns the table of every speed of every model.
 pub fn speeds(all: &[Swept<'_>]) -> Markup {
     let rows: Vec<(&Swept<'_>, &Steady)> = (all.iter())
         .flat_map(|s| s.runs.iter().map(move |(r, _)| (s, *r)))

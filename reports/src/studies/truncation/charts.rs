@@ -1,4 +1,4 @@
-//! Error and cost over the number of modes and their highest frequency.
+//! Charts of error and cost over the number of modes and their highest frequency.
 
 use crate::drawing::Chart;
 use crate::drawing::axis::{Axis, tick_label};
@@ -11,10 +11,10 @@ use crate::record::{Metrics, Run, finite};
 use crate::studies::truncation::{LIMITS, Way, counts, ways};
 use crate::view::View;
 
-/// Where gears without modes stand on the logarithmic abscissa, over the fewest modes there are.
+/// Abscissa of gears without modes on the logarithmic axis, over the least number of modes.
 const NONE_AT: f64 = 0.5;
 
-/// A way of keeping modes with its look. Truncated ones have open markers.
+/// A method of reduction with its look. Truncation has open markers.
 struct Shown<'a> {
     way: Way<'a>,
     look: Look,
@@ -68,7 +68,7 @@ impl Counts {
     }
 }
 
-/// A curve over an abscissa, failures where it has one.
+/// Returns a curve over an abscissa, with failed runs that have one.
 fn curve(s: &Shown<'_>, x: impl Fn(&Run) -> Option<f64>, y: impl Fn(&Run) -> Option<f64>) -> Curve {
     let mut points: Vec<(f64, f64)> = (s.way.runs.iter())
         .filter(|(_, r)| !r.status.is_failure())
@@ -105,7 +105,7 @@ fn limits() -> Vec<(f64, String)> {
     LIMITS.iter().map(text).collect()
 }
 
-/// The charts of a study of mode counts.
+/// Draws the charts of a study of mode counts.
 pub fn truncation(view: &View<'_>) -> Result<Vec<Chart>, DrawError> {
     let shown = shown(view);
     let (Some(x), Some(against)) = (Counts::of(&shown), view.against.clone()) else {
@@ -214,7 +214,7 @@ fn frequencies(
     .map(Some)
 }
 
-/// Time of a step over the number of modes.
+/// Draws the time of a step over the number of modes.
 fn cost(
     shown: &[Shown<'_>],
     legend: &[Entry],

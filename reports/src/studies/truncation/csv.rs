@@ -1,11 +1,11 @@
-//! The table of mode counts.
+//! CSV table of runs by number of modes.
 
 use crate::csv_table::{CsvTable, number, text};
 use crate::record::{Metrics, Results, Run};
 
 type Row<'a> = (&'a Run, &'a Metrics);
 
-/// One line per run and reference.
+/// Returns the table with a row per run and reference.
 pub fn tables(results: &Results) -> Vec<CsvTable> {
     let rows = (results.runs.iter()).flat_map(|r| r.metrics.iter().map(move |m| (r, m)));
     vec![CsvTable::new::<Row<'_>>(

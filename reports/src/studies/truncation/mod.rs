@@ -1,4 +1,4 @@
-//! What a study of mode counts says: runs of the elastic model by the way its modes were kept.
+//! The study of mode counts: error of the elastic model over the number of modes, by method of reduction.
 
 mod charts;
 mod csv;
@@ -15,20 +15,20 @@ use crate::view::View;
 /// Limits of the force-history error whose fewest modes a report names.
 pub const LIMITS: [f64; 3] = [0.02, 0.01, 0.005];
 
-/// One way of keeping modes, over their number.
+/// Runs of one method of reduction, over the number of modes.
 pub struct Way<'a> {
     /// Variant of its runs, such as `by flank compliance`.
     pub label: String,
-    /// `flank-compliance` or `frequency`.
+    /// Criterion by which modes are chosen: `flank-compliance` or `frequency`.
     pub choose: String,
-    /// Whether the truncated modes are kept as residual compliance.
+    /// True if the truncated modes are kept as residual compliance.
     pub residual: bool,
-    /// Its runs with their index in the record, ascending in modes.
+    /// Runs of the method with their index in the record, ascending in modes.
     pub runs: Vec<(usize, &'a Run)>,
 }
 
 impl<'a> Way<'a> {
-    /// Runs that ended well and have a finite metric against a reference: modes, magnitude, run.
+    /// Returns the runs that ended well and have a finite metric against a reference: modes, magnitude, run.
     pub fn errors(&self, against: &str, metric: Metric) -> Vec<(usize, f64, &'a Run)> {
         (self.runs.iter())
             .filter(|(_, r)| !r.status.is_failure())
@@ -39,7 +39,7 @@ impl<'a> Way<'a> {
             .collect()
     }
 
-    /// The run with the fewest modes from which on no number of modes that was tried is beyond the limit of the
+    /// Returns the run with the fewest modes from which on every number of modes is within the limit of the
     /// force-history error; a failed run is beyond every limit.
     pub fn fewest(&self, against: &str, limit: f64) -> Option<&'a Run> {
         let mut found = None;
@@ -53,14 +53,15 @@ impl<'a> Way<'a> {
         found
     }
 
-    /// The run with a number of modes.
+    /// Returns the run with the given number of modes.
     pub fn with(&self, modes: usize) -> Option<&'a Run> {
         let found = self.runs.iter().find(|(_, r)| r.modes == Some(modes));
         found.map(|(_, r)| *r)
     }
 }
 
-/// The ways of a record in the order of appearance; runs without modes (references, other models) belong to none.
+/// Returns the methods of reduction of a record in the order of appearance; runs without modes (references, other
+/// models) belong to none.
 pub fn ways(results: &Results) -> Vec<Way<'_>> {
     let mut ways: Vec<Way<'_>> = Vec::new();
     for (index, run) in results.runs.iter().enumerate() {
@@ -84,7 +85,7 @@ pub fn ways(results: &Results) -> Vec<Way<'_>> {
     ways
 }
 
-/// All numbers of modes that were tried, ascending.
+/// Returns all numbers of modes in the study, ascending.
 pub fn counts<'w, 'a: 'w>(ways: impl IntoIterator<Item = &'w Way<'a>>) -> Vec<usize> {
     let mut all: Vec<usize> = (ways.into_iter())
         .flat_map(|w| w.runs.iter().filter_map(|(_, r)| r.modes))
@@ -94,7 +95,7 @@ pub fn counts<'w, 'a: 'w>(ways: impl IntoIterator<Item = &'w Way<'a>>) -> Vec<us
     all
 }
 
-/// What the study says of a record.
+/// Returns the report of a study of mode counts.
 pub(super) fn report(view: &View<'_>) -> Result<StudyReport, DrawError> {
     let mut charts = charts::truncation(view)?;
     charts.extend(histories::force(view)?);

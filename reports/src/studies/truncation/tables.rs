@@ -18,7 +18,7 @@ fn error(run: &Run, against: &str) -> Option<f64> {
     e.filter(|e| e.is_finite())
 }
 
-/// A number of modes and the frequency that they go up to.
+/// Returns the number of modes of a run and their highest frequency, in words.
 fn kept(run: &Run) -> String {
     let modes = run.modes.unwrap_or(0);
     match run.highest_hz {
@@ -69,7 +69,7 @@ pub fn finding(view: &View<'_>) -> Vec<Markup> {
     sentences
 }
 
-/// A run that is pointed out beside the best that residual compliance does with no more modes.
+/// Returns the sentence that compares a marked run with the best run with residual compliance and no more modes.
 fn beside(all: &[Way<'_>], run: &Run, id: &str) -> Option<Markup> {
     let name = capital(run.mark.as_deref()?);
     let modes = run.modes?;

@@ -1,7 +1,7 @@
 //! Made-up records: an impact with a rippling reference, and a long rotation without one.
 //!
-//! The numbers look like a study and are none: the force of a run is a half-sine with the errors
-//! that are asked for, the outlines are involutes with straight roots.
+//! No number comes from a simulation: the force of a run is a half-sine with given errors, and the outlines are
+//! involutes with straight roots.
 
 mod studies;
 
@@ -15,7 +15,7 @@ pub use studies::{
     coupling_results, identify_results, mode_results, penalty_results, sweep_results,
 };
 
-/// Metrics of a run that was to end where it does.
+/// Computes the metrics of a run whose end time is that of its history.
 fn metrics_of(
     series: &TimeSeries,
     ledger: &Ledger,
@@ -27,7 +27,7 @@ fn metrics_of(
     compare(run, reference, against)
 }
 
-/// A run with a fixed step up to an end.
+/// Makes a run with a fixed step up to an end time.
 fn run(model: &str, integrator: &str, step: f64, simulated_s: f64) -> Run {
     Run {
         model: model.into(),
@@ -39,7 +39,7 @@ fn run(model: &str, integrator: &str, step: f64, simulated_s: f64) -> Run {
     }
 }
 
-/// A reference that is a run of its record.
+/// Makes a reference that is a run of its record.
 fn reference(id: &str, title: &str, series: &TimeSeries) -> ReferenceSeries {
     ReferenceSeries {
         id: id.into(),
@@ -50,7 +50,7 @@ fn reference(id: &str, title: &str, series: &TimeSeries) -> ReferenceSeries {
     }
 }
 
-/// A record of another study under the header of the impact.
+/// Makes a record of another study with the header of the impact.
 fn study(command: &str, part: Part, references: Vec<ReferenceSeries>, runs: Vec<Run>) -> Results {
     let base = impact_results();
     Results {
@@ -66,7 +66,7 @@ fn study(command: &str, part: Part, references: Vec<ReferenceSeries>, runs: Vec<
     }
 }
 
-/// A half-sine impact that starts at `start`, with ripples of relative height `ripple`.
+/// Makes a half-sine impact that starts at `start`, with ripples of relative height `ripple`.
 pub fn impact(start: f64, peak: f64, ripple: f64, h: f64) -> TimeSeries {
     let (length, end) = (9.2e-5, 1.34e-4);
     let mut series = TimeSeries::default();
@@ -86,7 +86,7 @@ pub fn impact(start: f64, peak: f64, ripple: f64, h: f64) -> TimeSeries {
     series
 }
 
-/// Outline of an involute gear, module 4 mm, 20 degrees, turned so that a tooth stands at `turn`.
+/// Makes the outline of an involute gear (module 4 mm, pressure angle 20 degrees) with a tooth at the angle `turn`.
 fn outline(name: &str, z: usize, centre: f64, turn: f64) -> Outline {
     let m = 4e-3;
     let (r, ra, rf) = (
@@ -123,7 +123,7 @@ fn outline(name: &str, z: usize, centre: f64, turn: f64) -> Outline {
     }
 }
 
-/// The pair 20/30 with one or two contacts on the line of action.
+/// Makes the picture of the pair 20/30 with one or two contacts on the line of action.
 pub fn snapshot(forces: &[(f64, f64, &str)]) -> ContactSnapshot {
     let (aw, centre) = (20f64.to_radians(), 0.1);
     let direction = [aw.sin(), aw.cos()];
@@ -148,7 +148,7 @@ pub fn snapshot(forces: &[(f64, f64, &str)]) -> ContactSnapshot {
     }
 }
 
-/// A flank with an ellipse of pressure for each force.
+/// Makes a flank with an ellipse of pressure for each force.
 fn flank(forces: &[(f64, f64, &str)]) -> FlankLoad {
     let mut patches = Vec::new();
     for (tooth, (s, force, _)) in (1..).zip(forces) {
@@ -191,7 +191,7 @@ fn flank(forces: &[(f64, f64, &str)]) -> FlankLoad {
     }
 }
 
-/// Eighteen runs of two models, two of them failed, one inaccurate.
+/// Makes eighteen runs of two models, two of them failed, one inaccurate.
 pub fn impact_results() -> Results {
     let reference = impact(1.9e-5, 3610.0, 0.055, 5e-7);
     let explicit = [
@@ -341,7 +341,7 @@ fn fail(run: &mut Run, reference: &TimeSeries, status: Status, message: &str) {
     run.metrics[0].peak_force_rel = Some(f64::INFINITY);
 }
 
-/// A quarter of a second of rattling: hundreds of contacts, no reference, five variants.
+/// Makes a quarter of a second of rattling: hundreds of contacts, no reference, five variants.
 pub fn rotation_results() -> Results {
     let mut runs = Vec::new();
     for (model, variant, scale) in [

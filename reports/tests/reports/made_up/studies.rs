@@ -9,7 +9,7 @@ use gearbench_reports::sweep::{Bearing, ShaftOrders, StaticCycle, Steady, SweepR
 use gearbench_reports::{Ledger, Part, Results, Run, Status};
 use std::f64::consts::PI;
 
-/// A study of mode counts: four ways of keeping modes, one failed run, one that is pointed out.
+/// Makes a study of mode counts: four methods of reduction, one failed run, one marked run.
 pub fn mode_results() -> Results {
     let calculix = impact_results().references.remove(0);
     let fe = impact(1.9e-5, 3610.0, 0.05, 5e-7);
@@ -90,7 +90,7 @@ pub fn mode_results() -> Results {
     study(command, Part::Truncation, vec![fe, calculix], runs)
 }
 
-/// A sweep of two models over their mesh resonance, one run failed.
+/// Makes a sweep of two models over their mesh resonance, with one failed run.
 pub fn sweep_results() -> Results {
     let (mut runs, mut statics) = (Vec::new(), Vec::new());
     let position: Vec<f64> = (0..64).map(|i| (f64::from(i) + 0.5) / 64.0 - 0.5).collect();
@@ -175,7 +175,7 @@ pub fn sweep_results() -> Results {
     results
 }
 
-/// A study of penalties that come to hard contact, the stiffest failed.
+/// Makes a study of penalties that converge to hard contact; the run with the stiffest one failed.
 pub fn penalty_results() -> Results {
     let hard = impact(1.9e-5, 3610.0, 0.05, 1e-6);
     let mut runs = Vec::new();
@@ -207,8 +207,8 @@ pub fn penalty_results() -> Results {
     )
 }
 
-/// An identification: one parameter known, one on its bound, one that the data do not tell; data that were fitted and held
-/// out; a profile; and numbers that are none.
+/// Makes an identification: one parameter identified, one at its bound, one that the data do not determine; fitted and
+/// held-out data; a profile; and numbers that are not finite.
 pub fn identify_results() -> Results {
     let parameter = |key: &str, outcome: Outcome, value: Option<f64>| ParameterRecord {
         key: key.into(),
@@ -279,7 +279,8 @@ pub fn identify_results() -> Results {
     )
 }
 
-/// Two elastic models in two parts under two extrapolations: orders one and three, failures at large steps.
+/// Makes a study of coupling of two elastic models under two extrapolations: orders one and three, failures at large
+/// steps.
 pub fn coupling_results() -> Results {
     let coupling = |variant: Option<&str>, extrapolation, limit: f64| {
         let order = match extrapolation {

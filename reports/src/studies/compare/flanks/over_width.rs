@@ -1,4 +1,4 @@
-//! Normal force per width of the face at the peak.
+//! Chart of the normal force per face width at the peak.
 
 use super::{Borne, axes, teeth};
 use crate::drawing::Chart;
@@ -13,8 +13,8 @@ use crate::record::FlankPatch;
 /// Most parts of the width that forces are summed over.
 const PARTS: f64 = 40.0;
 
-/// Force per width over equal parts of the width that a tooth touches on, as wide as its patches usually are: middles [mm],
-/// [N/m]. Patches of meshes differ in width, and one that just touches may be next to none.
+/// Computes the force per width over equal parts of the loaded width, each about as wide as the patches: middles [mm],
+/// values [N/m]. Patches of different meshes differ in width, and one at the start of contact may be very narrow.
 fn per_width(patches: &[&FlankPatch]) -> Vec<(f64, f64)> {
     let ends = |p: &FlankPatch| [-0.5, 0.5].map(|half| p.height_m + half * p.size_m[1]);
     let mut widths: Vec<f64> = patches.iter().map(|p| p.size_m[1]).collect();
@@ -52,7 +52,7 @@ fn per_width(patches: &[&FlankPatch]) -> Vec<(f64, f64)> {
         .collect()
 }
 
-/// Force per width at the peak, of each tooth.
+/// Draws the force per width at the peak, for each tooth.
 pub(super) fn over_width(all: &[Borne<'_>]) -> Result<Option<Chart>, DrawError> {
     let mut curves = Vec::new();
     let mut greatest = 0.0_f64;

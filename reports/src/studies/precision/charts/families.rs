@@ -1,4 +1,4 @@
-//! Each family by its own front alone.
+//! Chart of error over cost with the Pareto front of each family.
 
 use super::{PLOT, Scale, models_of};
 use crate::drawing::Chart;
@@ -13,7 +13,7 @@ use crate::metrics::Metric;
 use crate::studies::precision::{Cost, Precision, family, is_ours};
 use crate::view::View;
 
-/// Each family by its own front alone.
+/// Draws the chart with the Pareto front of each family.
 pub(super) fn families(
     view: &View<'_>,
     study: &Precision<'_>,

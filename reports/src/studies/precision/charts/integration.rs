@@ -1,4 +1,4 @@
-//! What integrators lose: one small diagram per model, against its own converged solution.
+//! Error of the integration over cost: one small diagram per model, against its own converged solution.
 
 use super::{ABOVE, SMALL, Scale, faint, staircase};
 use crate::drawing::Chart;
@@ -15,7 +15,7 @@ use crate::studies::precision::pareto::{Point, front};
 use crate::studies::precision::{Cost, Precision, Shown};
 use crate::view::{capital, metric_against};
 
-/// Work-precision diagrams, one per model: what its integrators lose.
+/// Draws work-precision diagrams of the integrators, one per model.
 pub(super) fn integration(
     study: &Precision<'_>,
     metric: Metric,
@@ -102,7 +102,7 @@ pub(super) fn integration(
     }))
 }
 
-/// The number of modes that most integrators run, of several the largest.
+/// Returns the number of modes that occurs with most integrators; of several the largest.
 fn busiest(shown: &[&Shown<'_>]) -> Option<usize> {
     let mut counts: Vec<(usize, Option<usize>)> = Vec::new();
     for s in shown {

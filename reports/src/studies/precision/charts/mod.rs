@@ -1,4 +1,4 @@
-//! Error against cost: every run a point, the Pareto front a staircase, failures on an edge of their own.
+//! Charts of error over cost: a point per run, the Pareto front as a staircase, failed runs in a strip of their own.
 
 mod families;
 mod integration;
@@ -21,7 +21,7 @@ use crate::view::{View, capital, metric_against};
 use families::families;
 use integration::integration;
 
-/// Opacity of what something else beats.
+/// Opacity of points that are dominated.
 const FAINT: f64 = 0.3;
 /// Height of a plot and of a small one.
 const PLOT: f64 = 400.0;
@@ -32,7 +32,7 @@ const ROW: f64 = 19.0;
 /// Size of the names of points.
 const NAME: f64 = 11.5;
 
-/// The charts of accuracy against cost.
+/// Draws the charts of error over cost.
 pub fn precision(view: &View<'_>) -> Result<Vec<Chart>, DrawError> {
     let study = Precision::of(view.results);
     let metric = study.headline();
@@ -62,7 +62,7 @@ pub fn precision(view: &View<'_>) -> Result<Vec<Chart>, DrawError> {
     Ok(charts)
 }
 
-/// File name of a chart that there may be several of.
+/// Returns the file name of a chart of which there may be several.
 fn numbered(what: &str, place: usize) -> String {
     match place {
         0 => format!("precision_{what}.svg"),
@@ -114,7 +114,7 @@ fn faint(look: Look) -> Look {
     }
 }
 
-/// The staircase under a front: everything above and to the right of it is beaten.
+/// Paints the staircase of a front: all points above and to the right of it are dominated.
 fn staircase(
     c: &mut Canvas<'_>,
     frame: &Frame,
@@ -136,7 +136,7 @@ fn staircase(
     }
 }
 
-/// All runs against one reference.
+/// Draws the chart of all runs against one reference.
 fn all_runs(
     view: &View<'_>,
     study: &Precision<'_>,
@@ -240,12 +240,12 @@ fn caption(reference: &str, metric: Metric, cost: Cost, fitted: bool, own: bool)
     )
 }
 
-/// What a point of the front is called beside its colour and marker.
+/// Returns the text at a point of the front: integrator, modes and step.
 fn words(s: &Shown<'_>) -> String {
     format!("{} {}", id_of(&s.run.integrator), modes_and_step(s.run))
 }
 
-/// Models of a cloud: place, label, fitted or not.
+/// Returns the models of a cloud: place, label and whether they are fitted.
 fn models_of(study: &Precision<'_>, cloud: &Cloud<'_>) -> Vec<(usize, String)> {
     let styles = (cloud.shown.iter().map(|s| (s.style, s.is_fitted()))).chain(
         cloud
@@ -280,7 +280,7 @@ fn strip_height(reasons: &[(Status, Vec<(&Run, usize)>)]) -> f64 {
     }
 }
 
-/// Failed runs, one row per reason.
+/// Paints failed runs in their strip, a row per reason.
 fn failures(c: &mut Canvas<'_>, reasons: &[(Status, Vec<(&Run, usize)>)], edge: &Rect) {
     if reasons.is_empty() {
         return;

@@ -1,7 +1,7 @@
-//! One colour and one letter per label, so that a map reads in colour, in greyscale and for the colour-blind.
+//! Colours and letters of the labels of a map, readable in colour, in greyscale and without colour vision.
 //!
-//! Colours after Okabe and Ito, a shade apart from those of the models, which change on a dark page: cells stay as they
-//! are. The letter carries the meaning where colours cannot.
+//! Colours after Okabe and Ito, in a different shade from those of the models. They are the same on a dark page. The
+//! letter carries the meaning where colours cannot.
 
 use crate::drawing::axis::NAME_SIZE;
 use crate::drawing::canvas::{Anchor, Canvas, Ink, Stroke, Type, text_width};
@@ -11,7 +11,7 @@ use crate::drawing::panel::{RIGHT, WIDTH};
 use crate::record::Status;
 use crate::studies::stability::LineKind;
 
-/// Look of a label.
+/// Colour and letter of a label.
 #[derive(Clone, Copy)]
 pub struct Look {
     pub ink: Ink,
@@ -23,7 +23,7 @@ pub struct Look {
 /// Letters on dark cells, by day and by night.
 const ON_DARK: Ink = Ink(0xfe, 0xfe, 0xfe, 1.0);
 
-/// The look of a label.
+/// Returns colour and letter of a label.
 pub fn look(status: Status) -> Look {
     let (ink, letter, dark) = match status {
         Status::Converged => (Ink(0xc9, 0xe7, 0xdc, 1.0), "", true),
@@ -63,7 +63,7 @@ pub const KINDS: [(LineKind, &str, &[f64]); 3] = [
     ),
 ];
 
-/// A line of theory, readable on every colour.
+/// Paints a line of theory that is readable on every colour.
 pub fn theory_line(c: &mut Canvas<'_>, points: &[(f64, f64)], frame: &Rect, kind: LineKind) {
     let dash = (KINDS.iter())
         .find(|k| k.0 == kind)
@@ -72,14 +72,14 @@ pub fn theory_line(c: &mut Canvas<'_>, points: &[(f64, f64)], frame: &Rect, kind
     c.line_within(points, frame, Stroke::dashed(Ink::DARK, 1.7, dash));
 }
 
-/// The mark of the largest stable step that was found.
+/// Paints the mark of the largest stable step.
 pub fn found_mark(c: &mut Canvas<'_>, (x, y): (f64, f64)) {
     let shape = |r: f64| [(x, y - r), (x + r, y), (x, y + r), (x - r, y)];
     c.polygon(&shape(6.2), Ink::WHITE);
     c.polygon(&shape(4.4), Ink::DARK);
 }
 
-/// What a legend names.
+/// An entry of the legend of a map.
 pub enum Entry {
     Label(Status),
     Theory(LineKind),

@@ -1,4 +1,4 @@
-//! Maps of where methods fail: an overview at the scene's own parameters, and one figure of small multiples per model.
+//! Charts of stability maps: an overview at the scene's own parameters, and one figure of small multiples per model.
 
 mod look;
 mod overview;
@@ -21,7 +21,7 @@ use panel::{Panel, labels};
 const ACROSS: usize = 3;
 /// Space for the values of the parameter.
 const LEFT: f64 = 74.0;
-/// Space between panels.
+/// Space between the panels of a figure.
 const BETWEEN: f64 = 16.0;
 /// Space above a panel for its heading, below for its ticks, and below the last for the name of the abscissa.
 const ABOVE: f64 = 26.0;
@@ -30,10 +30,10 @@ const NAME: f64 = 22.0;
 /// Height of a line with the name of the ordinate, where that is longer than the panels are high.
 const NAME_ABOVE: f64 = 20.0;
 
-/// Maps that are drawn; those beyond are left out, and the last caption says so.
+/// Largest number of maps that are drawn; the last caption states the number of those that are left out.
 const DRAWN: usize = 24;
 
-/// The maps of one model over one set of axes.
+/// Returns the maps of one model over one set of axes.
 fn figures(maps: &[Map]) -> Vec<Vec<&Map>> {
     let mut found: Vec<Vec<&Map>> = Vec::new();
     for map in maps {
@@ -47,7 +47,7 @@ fn figures(maps: &[Map]) -> Vec<Vec<&Map>> {
     found
 }
 
-/// The charts of a study of stability.
+/// Draws the charts of a study of stability.
 pub fn stability(maps: &[Map]) -> Result<Vec<Chart>, DrawError> {
     let mut charts = Vec::new();
     if let Some(svg) = overview(maps, "Where methods fail", None)? {
@@ -81,7 +81,7 @@ pub fn stability(maps: &[Map]) -> Result<Vec<Chart>, DrawError> {
     Ok(charts)
 }
 
-/// What a figure shows, as no other does: model, parameters, and the integrator where there is but one.
+/// Returns the heading of a figure: model, integrator (their number where there are several) and parameters.
 fn heading(maps: &[&Map]) -> String {
     let first = maps[0];
     let names: Vec<&str> = first.axes.iter().map(|a| a.name.as_str()).collect();
@@ -100,7 +100,7 @@ fn heading(maps: &[&Map]) -> String {
     )
 }
 
-/// How far two converged solutions are apart, in words.
+/// Returns the clause on the distance between two converged solutions.
 fn distance(checked: f64) -> String {
     format!(
         "a second solution at another tolerance differs from it by at most {} in the metric of the tolerance",
@@ -140,7 +140,7 @@ fn caption(maps: &[&Map]) -> String {
     )
 }
 
-/// The panels of a figure, in rows.
+/// Returns the panels of a figure, in rows.
 fn panels<'a>(maps: &[&'a Map]) -> Vec<Vec<Panel<'a>>> {
     let name = |map: &Map| {
         if map.implicit {
@@ -187,7 +187,7 @@ fn panels<'a>(maps: &[&'a Map]) -> Vec<Vec<Panel<'a>>> {
     rows
 }
 
-/// The integrator without its parameters.
+/// Returns the integrator without its parameters.
 fn short_name(map: &Map) -> &str {
     map.integrator.split('(').next().unwrap_or("")
 }
@@ -263,7 +263,7 @@ mod tests {
         Cell, Columns, MapAxis, MapLine, SelfReference, StabilityRecord,
     };
 
-    /// A map with every label in its own row.
+    /// Makes a map with every label in its own row.
     fn map(set: usize, integrator: &str, seconds: usize) -> Map {
         let steps = 0..Status::ALL.len() as i32;
         let at: Vec<f64> = steps.map(|i| 1e-8 * 2_f64.powi(i)).collect();
@@ -351,7 +351,8 @@ mod tests {
         assert!(!page.contains("NaN") && page.contains("&lt;b&gt;"));
     }
 
-    /// The name of the ordinate stands upright beside panels that are as high as it is long, else in a line above them.
+    /// The name of the ordinate is upright next to panels that are at least as high as it is long, else in a line above
+    /// them.
     #[test]
     fn a_long_name_of_the_ordinate_stands_above() {
         let short = map(0, "rk4", 0);

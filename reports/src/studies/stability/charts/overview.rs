@@ -1,4 +1,4 @@
-//! Where methods fail at the scene's own parameters: one strip of cells per model and integrator.
+//! Overview of stability at the scene's own parameters: one strip of cells per model and integrator.
 
 use super::look::{self, Entry, found_mark, legend, legend_height};
 use super::panel::{Abscissa, column_scale};
@@ -15,7 +15,7 @@ const HEADING: f64 = 24.0;
 /// Space for names at the left.
 const LEFT: f64 = 236.0;
 
-/// Maps of the overview: each pair of model and integrator once.
+/// Returns the maps of the overview: each pair of model and integrator once.
 pub fn pairs(maps: &[Map], columns: Columns) -> Vec<&Map> {
     let mut found = once(maps.iter().filter(|m| m.columns == columns));
     // Models stay together, in the order of their first map.
@@ -24,7 +24,7 @@ pub fn pairs(maps: &[Map], columns: Columns) -> Vec<&Map> {
     found
 }
 
-/// The axis of several maps in its own unit.
+/// Returns the axis of several maps in its own unit.
 fn common(maps: &[&Map]) -> Option<Axis> {
     let (scale, _) = column_scale(maps[0].columns);
     let ends = maps
@@ -39,14 +39,14 @@ fn block_height(maps: &[&Map]) -> f64 {
     HEADING * models + STRIP * maps.len() as f64 + 52.0
 }
 
-/// Places at which a new model begins.
+/// Returns the indices at which a new model begins.
 fn headings(maps: &[&Map]) -> Vec<usize> {
     (0..maps.len())
         .filter(|&i| i == 0 || maps[i - 1].model_label() != maps[i].model_label())
         .collect()
 }
 
-/// The chart with its title, and a name of its abscissa in the place of the usual one; `None` without maps.
+/// Draws the chart with a title and, if given, another name of the abscissa; `None` without maps.
 pub fn overview(
     maps: &[Map],
     title: &str,

@@ -7,10 +7,10 @@ use crate::drawing::geometry::Rect;
 use crate::numbers::{Prefix, short};
 use crate::studies::stability::{Cell, Columns, LineKind, Map, MapAxis};
 
-/// Letters are drawn in cells from this width on, and at this distance in smaller ones.
+/// Width of a cell from which on it has a letter, and the distance of letters in smaller cells.
 const LETTER: f64 = 9.0;
 
-/// Steps are told in microseconds, tolerances as they are.
+/// Returns factor and unit of the columns: microseconds for steps, none for tolerances.
 pub fn column_scale(columns: Columns) -> (f64, &'static str) {
     match columns {
         Columns::Step => (1e6, "step [\u{b5}s]"),
@@ -27,7 +27,7 @@ pub struct Abscissa {
 }
 
 impl Abscissa {
-    /// The columns of a map.
+    /// Makes the abscissa from the columns of a map; `None` without columns.
     pub fn of(at: &[f64]) -> Option<Self> {
         let (first, last) = (*at.first()?, *at.last()?);
         let count = at.len();
@@ -39,20 +39,20 @@ impl Abscissa {
         (first > 0.0 && step > 0.0).then_some(Abscissa { first, step, count })
     }
 
-    /// Place on the page.
+    /// Returns the abscissa of a column on the page.
     pub fn place(&self, x: f64, area: &Rect) -> f64 {
         let column = (x / self.first).ln() / self.step + 0.5;
         area.x0 + column / self.count as f64 * area.width()
     }
 
-    /// Ends of the axis.
+    /// Returns the ends of the axis.
     pub fn ends(&self) -> [f64; 2] {
         let half = (0.5 * self.step).exp();
         let last = self.first * (self.step * (self.count - 1) as f64).exp();
         [self.first / half, last * half]
     }
 
-    /// Ticks with labels in the unit of the axis.
+    /// Returns the ticks with labels in the unit of the axis.
     pub fn ticks(&self, scale: f64, most: usize) -> Vec<(f64, String)> {
         let [min, max] = self.ends().map(|x| x * scale);
         let axis = Axis::decades(min, max);
@@ -63,7 +63,7 @@ impl Abscissa {
     }
 }
 
-/// Cells side by side, each as wide as its column, with their letters.
+/// Paints a row of cells, each as wide as its column, with their letters.
 pub fn paint_row(c: &mut Canvas<'_>, cells: &[Cell], x: &Abscissa, strip: &Rect, area: &Rect) {
     let width = area.width() / x.count as f64;
     let every = (LETTER / width.max(0.1)).ceil().max(1.0) as usize;
@@ -83,14 +83,14 @@ pub fn paint_row(c: &mut Canvas<'_>, cells: &[Cell], x: &Abscissa, strip: &Rect,
     }
 }
 
-/// The rows of a panel on the page.
+/// Returns the rectangle of a row of a panel on the page.
 pub fn strip(area: &Rect, rows: usize, row: usize) -> Rect {
     let height = area.height() / rows.max(1) as f64;
     let bottom = area.y1 - height * row as f64;
     Rect::new(area.x0, bottom - height, area.x1, bottom)
 }
 
-/// Values of an axis as tick labels, with the axis's name.
+/// Returns the values of an axis as tick labels, and the axis's name.
 pub fn labels(axis: &MapAxis) -> (Vec<String>, String) {
     let prefix = if axis.unit.is_empty() {
         Prefix::of(1.0, 1.0)
@@ -109,7 +109,7 @@ pub fn labels(axis: &MapAxis) -> (Vec<String>, String) {
     (texts, name)
 }
 
-/// What a panel shows.
+/// A panel of a figure: the part of a map at one value of its second axis.
 pub struct Panel<'a> {
     pub map: &'a Map,
     /// Which value of the second axis.
@@ -159,7 +159,7 @@ impl Panel<'_> {
         self.ticks(c, area, &x, axis);
     }
 
-    /// Fine white lines between the cells.
+    /// Paints fine white lines between the cells.
     fn grid(&self, c: &mut Canvas<'_>, area: &Rect, rows: usize) {
         let thin = Stroke::new(Ink::WHITE.opacity(0.55), 0.6);
         let width = area.width() / self.map.at.len() as f64;
@@ -177,7 +177,7 @@ impl Panel<'_> {
         }
     }
 
-    /// A line of theory: over the height of each row at its step, joined between rows.
+    /// Paints a line of theory: over the height of each row at its step, joined between rows.
     fn line(
         &self,
         c: &mut Canvas<'_>,

@@ -1,4 +1,4 @@
-//! Amplitudes over frequency and over the orders of shafts.
+//! Charts of amplitudes over frequency and over the orders of shafts.
 
 use super::{KHZ, UM, legend, settled};
 use crate::drawing::Chart;
@@ -11,7 +11,7 @@ use crate::numbers::quantity;
 use crate::record::{Bearing, Steady};
 use crate::studies::sweep::{Swept, resonance};
 
-/// Every harmonic of every speed at its own frequency: what the system answers there.
+/// Draws the amplitude of every harmonic at every speed over its own frequency.
 pub(super) fn spectra(all: &[Swept<'_>]) -> Result<Option<Chart>, DrawError> {
     let harmonics = |r: &Steady| r.mesh_frequency_hz * r.error_harmonics_m.len() as f64;
     let highest = settled(all).map(harmonics).fold(0.0, f64::max);
@@ -75,13 +75,14 @@ pub(super) fn spectra(all: &[Swept<'_>]) -> Result<Option<Chart>, DrawError> {
     chart("sweep_spectra.svg", title, caption, &legend(all), &panels).map(Some)
 }
 
-/// A logarithmic ordinate over the upper decades of a panel.
+/// Returns a logarithmic ordinate over the upper decades of a panel.
 fn top_decades(panel: &Panel, decades: f64) -> Option<Axis> {
     let (low, high) = panel.ordinates();
     (high > 0.0).then(|| Axis::logarithmic(low.max(high * 10f64.powf(-decades)), high))
 }
 
-/// Transmission error at the orders of the shafts, at the lowest speed: what deviations from tooth to tooth excite.
+/// Draws the transmission error at the orders of the shafts at the lowest speed, which deviations from tooth to tooth
+/// excite.
 pub(super) fn shaft_orders(all: &[Swept<'_>]) -> Result<Option<Chart>, DrawError> {
     let shown: Vec<(&Swept<'_>, &Steady)> = (all.iter())
         .filter(|s| s.first)
