@@ -8,7 +8,7 @@ use std::sync::{LazyLock, PoisonError, RwLock};
 static TABLE: LazyLock<RwLock<&'static [Model]>> =
     LazyLock::new(|| RwLock::new([MODELS, gearbench_reference::MODELS].concat().leak()));
 
-/// All gear models.
+/// Returns the table of all gear models.
 #[must_use]
 pub fn models() -> &'static [Model] {
     &TABLE.read().unwrap_or_else(PoisonError::into_inner)

@@ -15,10 +15,10 @@ const AHEAD: f64 = 1e-6;
 /// Rounds of switches at one event.
 const MOST_ROUNDS: usize = 50;
 
-/// What an event did.
+/// Result of an event update.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Update {
-    /// Continuous states jumped.
+    /// True if the continuous states jumped.
     pub moved: bool,
     /// The next time of the host at which a load has a breakpoint [s].
     pub next: Option<f64>,
@@ -65,7 +65,7 @@ impl Instance {
         Ok(())
     }
 
-    /// Coordinates and velocities.
+    /// Writes the continuous states to `x`: coordinates, then velocities.
     ///
     /// # Errors
     /// Another number of states.
@@ -78,7 +78,7 @@ impl Instance {
         Ok(())
     }
 
-    /// Their typical magnitudes.
+    /// Writes typical magnitudes of the continuous states to `x`; each is positive.
     ///
     /// # Errors
     /// Another number of states.
@@ -95,7 +95,7 @@ impl Instance {
         Ok(())
     }
 
-    /// Their derivatives.
+    /// Writes the time derivatives of the continuous states to `x`.
     ///
     /// # Errors
     /// Another number of states; derivatives that overflow.
@@ -106,7 +106,7 @@ impl Instance {
         Ok(())
     }
 
-    /// Event functions.
+    /// Writes the values of the event functions to `z`.
     ///
     /// # Errors
     /// Another number of them.
@@ -226,7 +226,7 @@ impl Instance {
         })
     }
 
-    /// Event functions.
+    /// The values of the event functions at the present state.
     pub(crate) fn watched(&mut self) -> &[f64] {
         self.settle();
         let count = self.coupled.interface.event_functions;

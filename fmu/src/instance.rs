@@ -29,7 +29,7 @@ const OFF_TIME: f64 = 1e-6;
 /// How an instance is used.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
-    /// It steps itself.
+    /// Co-simulation: the instance integrates its states itself.
     CoSimulation,
     /// Its host integrates it.
     ModelExchange,
@@ -45,21 +45,21 @@ impl fmt::Display for Failure {
     }
 }
 
-/// What calls return.
+/// Result of a call, with the message of a failure.
 pub type Done<T = ()> = Result<T, Failure>;
 
 pub(crate) fn fail<T>(why: impl Into<String>) -> Done<T> {
     Err(Failure(why.into()))
 }
 
-/// What the host set at a port, `[load, -]` or `[place, speed]`.
+/// Inputs that the host set at a port: `[load, -]` or `[displacement, speed]`, now and at the end of the step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Given {
     now: [f64; 2],
     end: [f64; 2],
 }
 
-/// Whether a call belongs to the initialisation, or to what comes after it.
+/// Phase of the life cycle of an instance; it decides which calls are allowed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Phase {
     Instantiated,
@@ -80,7 +80,7 @@ pub(crate) struct Memory {
     stop: Option<f64>,
     given: Vec<Given>,
     interpolate: bool,
-    /// What acts in the scene, by port.
+    /// Loads and prescribed motions that act in the scene, by port.
     applied: Vec<Profile>,
     /// The host set inputs that do not act yet.
     pub(crate) stale: bool,
@@ -88,11 +88,11 @@ pub(crate) struct Memory {
     changed: bool,
     /// The discrete state belongs to the state.
     begun: bool,
-    /// The method ran.
+    /// True if the integration method has run since the last reset.
     ran: bool,
 }
 
-/// What was computed at the present state.
+/// Results that are stored for the present state, until state or inputs change.
 #[derive(Default)]
 pub(crate) struct Known {
     pub(crate) outputs: Option<Outputs>,
@@ -101,13 +101,13 @@ pub(crate) struct Known {
     pub(crate) watched: Option<Vec<f64>>,
 }
 
-/// What a host goes back to.
+/// A copy of the state of an instance, to which the host can return.
 pub struct Snapshot {
     memory: Memory,
     method: Box<dyn Integrator>,
 }
 
-/// An instance.
+/// An instance of the FMU: scene, state, inputs and integration method.
 pub struct Instance {
     kind: Kind,
     pub(crate) coupled: Coupled,
@@ -149,7 +149,7 @@ impl Instance {
         Ok(instance)
     }
 
-    /// As just opened.
+    /// Resets the instance to its state after opening.
     pub fn reset(&mut self) {
         self.memory = start(&self.coupled);
         self.method = self.scheme.method.build();
@@ -162,7 +162,7 @@ impl Instance {
         self.kind
     }
 
-    /// Its variables.
+    /// The variables of the model description.
     pub fn interface(&self) -> &Interface {
         &self.coupled.interface
     }
@@ -199,7 +199,7 @@ impl Instance {
         Ok(())
     }
 
-    /// Ends it.
+    /// Ends the initialisation.
     ///
     /// # Errors
     /// Where it was not begun.
@@ -317,7 +317,7 @@ impl Instance {
         }
     }
 
-    /// Sets a Boolean.
+    /// Sets a Boolean variable.
     ///
     /// # Errors
     /// Where the variable is none, or after the initialisation.

@@ -10,7 +10,7 @@ use gearbench_reports::choice_check::ValidatedChoice;
 use std::collections::BTreeMap;
 use std::sync::{Mutex, PoisonError};
 
-/// What to check.
+/// The scenes of a set to validate, and the number of threads.
 #[derive(Clone, Debug)]
 pub struct Plan {
     pub set: Set,

@@ -20,14 +20,14 @@ use std::fmt::Write as _;
 /// Greatest offset of a clock, either way [s].
 const OFFSET: f64 = 2e-6;
 
-/// What is checked.
+/// The scene, model and number of data sets of a coverage check.
 #[derive(Clone, Debug)]
 pub struct Plan {
     /// Scene with a stored reference.
     pub scene: String,
     /// Label of a calibrated model.
     pub model: String,
-    /// Sets of data.
+    /// Number of synthetic data sets.
     pub sets: usize,
     /// Seed of the noise and the offsets.
     pub seed: u64,
@@ -40,9 +40,9 @@ pub struct Row {
     pub set: usize,
     /// Key of the parameter.
     pub parameter: String,
-    /// What the data were made with.
+    /// Value of the parameter that generated the data.
     pub truth: f64,
-    /// What was found; nothing where the fit says that the data do not tell.
+    /// Fitted value; `None` if the fit reports that the data do not determine it.
     pub found: Option<f64>,
     /// Ends of the interval.
     pub interval: [f64; 2],

@@ -46,7 +46,7 @@ const N_PER_MM_UM: f64 = 1e9;
 
 /// A model fitted to finite elements.
 pub struct Fitted {
-    /// What was fitted.
+    /// Name of the fit: model and free constants.
     pub name: &'static str,
     /// The fit, the held-out speeds included.
     pub found: Identification,
@@ -58,7 +58,7 @@ pub struct Fitted {
 pub struct Stiffness {
     /// Where it comes from.
     pub source: String,
-    /// What its number means.
+    /// Definition of the stiffness that the source states.
     pub convention: &'static str,
     /// The number in that convention, with its unit.
     pub stated: String,
@@ -68,11 +68,11 @@ pub struct Stiffness {
 
 /// All of a scene.
 pub struct Carried {
-    /// Its name.
+    /// Name of the scene.
     pub scene: String,
-    /// The fits.
+    /// The fitted models.
     pub fits: Vec<Fitted>,
-    /// The stiffnesses.
+    /// The rows of the table of stiffnesses.
     pub stiffnesses: Vec<Stiffness>,
 }
 
@@ -313,7 +313,7 @@ fn stiffnesses(
 /// The bars that movable teeth are to keep: force, peak and impulse where they are fitted, force at the other speeds.
 pub const BARS: [f64; 4] = [0.04, 0.03, 0.005, 0.08];
 
-/// Whether a fit keeps the bars.
+/// True if the errors of a fit are within [`BARS`].
 pub fn keeps(fit: &Fitted) -> bool {
     fit.found.record.data.iter().all(|d| {
         let within = |x: Option<f64>, bar: f64| x.is_none_or(|x| x.abs() <= bar);

@@ -46,17 +46,17 @@ const MODES: usize = 150;
 const ALPHA: f64 = 0.05;
 /// Steps of a mesh cycle, and of an impact; least steps of an impact within a mesh cycle.
 const STEPS: f64 = 500.0;
-/// See [`STEPS`].
+/// Least number of steps of an impact within a mesh cycle; see [`STEPS`].
 const RESOLVED: f64 = 100.0;
 /// Gap at which no flanks of gears overlap any more, over the module: some times what splines overlap by; halvings of it
 /// that find where they just touch.
 const APART: f64 = 5e-4;
-/// See [`APART`].
+/// Number of bisections of the gap; see [`APART`].
 const HALVINGS: u32 = 10;
 /// Greatest error of the force history that the reduction may have.
 pub const LIMIT: f64 = 0.01;
 
-/// What a scene said.
+/// Errors of the elastic model in one scene against full finite elements.
 #[derive(Clone, Debug)]
 pub struct Row {
     pub scene: String,
@@ -67,14 +67,14 @@ pub struct Row {
     pub status: [String; 3],
     /// Error of the force history in L2, where all ended: under the same method, and under the trigonometric one.
     pub error: [Option<f64>; 2],
-    /// What twice the step changes in the force history of the finite elements.
+    /// Change of the force history of the finite elements under twice the step, relative L2 norm.
     pub integration: Option<f64>,
     /// Energy that each run made up (lost, below zero), over the most that vibrated.
     pub residual: [Option<f64>; 3],
 }
 
 impl Row {
-    /// All runs ended.
+    /// True if all runs reached their end.
     pub fn ended(&self) -> bool {
         self.error.iter().all(Option::is_some)
     }

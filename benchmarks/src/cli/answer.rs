@@ -1,4 +1,4 @@
-//! What a command answers: how it ended, and the same for programs, one JSON object (`--json`).
+//! The result of a command: its exit code and, for programs, one JSON object (`--json`).
 //!
 //! An object has `command`, `exit` (code and meaning), `warnings` and what the command found: a study the `results` of its
 //! record without histories, under the keys of `results.json`, and the paths of `record` and `report`; other commands
@@ -13,16 +13,16 @@ use serde_json::{Map, Value, json};
 /// Keys of a record that an answer leaves out: histories, which are in the record or in files.
 const LONG: [&str; 4] = ["series", "further", "histories", "contacts"];
 
-/// What a command answers.
+/// The result of a command: exit code and the keys of its JSON object.
 #[derive(Clone, Debug)]
 pub struct Answer {
-    /// How it ended.
+    /// How the command ended.
     pub exit: Exit,
     found: Map<String, Value>,
 }
 
 impl Answer {
-    /// All is well.
+    /// A successful result without keys of its own.
     pub fn done() -> Self {
         Answer {
             exit: Exit::Done,
@@ -30,20 +30,20 @@ impl Answer {
         }
     }
 
-    /// What a study found.
+    /// The result of a study: key `results` with the record, histories removed.
     pub fn of(results: &Results) -> Self {
         let mut whole = value(results);
         without_histories(&mut whole);
         Answer::done().with("results", whole)
     }
 
-    /// The same, ending otherwise.
+    /// Replaces the exit code.
     #[must_use]
     pub fn ending(self, exit: Exit) -> Self {
         Answer { exit, ..self }
     }
 
-    /// The same with something more that was found; a number that is not finite is `null`.
+    /// Adds a key to the JSON object; a number that is not finite becomes `null`.
     #[must_use]
     pub fn with(mut self, key: &str, found: impl Serialize) -> Self {
         self.found.insert(key.to_owned(), value(found));

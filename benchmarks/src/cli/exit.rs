@@ -9,7 +9,7 @@ use std::process::ExitCode;
 /// How the command ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Exit {
-    /// What was asked for is there.
+    /// The command produced its result.
     Done,
     /// A result is there and falls short.
     FellShort,
@@ -47,7 +47,7 @@ ends with 1, as one beyond the tolerance does; `except` names models that are le
         }
     }
 
-    /// What it means, in the words of the table.
+    /// The meaning of the exit code, as in the table of the help.
     pub fn meaning(self) -> &'static str {
         match self {
             Exit::Done => "done",

@@ -55,7 +55,7 @@ impl Staged {
         Ok(())
     }
 
-    /// Its place.
+    /// The path that the file has after [`Staged::keep`].
     pub fn path(&self) -> &Path {
         &self.path
     }
@@ -115,7 +115,7 @@ pub fn write_whole(path: &Path, contents: impl AsRef<[u8]>) -> io::Result<()> {
     staged.keep()
 }
 
-/// Whether two paths lead to one file, by whatever links.
+/// True if two paths lead to the same file, through any links.
 pub fn is_same(a: &Path, b: &Path) -> bool {
     #[cfg(unix)]
     {
@@ -173,7 +173,7 @@ impl Overwriting<'_> {
     }
 }
 
-/// Whether a text is in the first or the last bytes of a file.
+/// True if a text occurs in the first or last 64 KiB of a file.
 fn has_mark(path: &Path, mark: &str) -> bool {
     const PART: u64 = 1 << 16;
     let read = || -> io::Result<Vec<u8>> {

@@ -102,7 +102,7 @@ impl Drop for FolderLock {
     }
 }
 
-/// Whether an open file is the one at a path.
+/// True if an open file is still the one at a path.
 fn is_at(file: &File, path: &Path) -> bool {
     #[cfg(unix)]
     {

@@ -38,7 +38,7 @@ use study_command::StudyCommand;
 use terminal::{Manner, Refusal};
 use values::{DEFAULT_MEMORY, gigabytes};
 
-/// What stands at the end of `--help`.
+/// The text after the options of `--help`: examples and exit codes.
 fn after_help() -> String {
     format!(
         "{EXAMPLES}\n\nExit codes:\n{}\n{}",
@@ -66,7 +66,7 @@ Results (--out DIR, default out/SCENE/STUDY/, printed at the end):
 
 `gearbench help scene` describes scene files, `gearbench help limits` what gearbench does not do.";
 
-/// Version and commit.
+/// The version with the commit of the build, as `--version` prints it.
 const VERSION: &str = concat!(
     env!("CARGO_PKG_VERSION"),
     " (commit ",

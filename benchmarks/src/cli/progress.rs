@@ -12,7 +12,7 @@ use std::time::{Duration, Instant};
 /// Time between two lines where nobody sees a bar.
 const EVERY: Duration = Duration::from_secs(60);
 
-/// What is known of a study under way.
+/// Progress of a running study: pieces done, their total number, and the present piece.
 #[derive(Debug, Default)]
 struct Known {
     done: usize,
@@ -98,7 +98,7 @@ impl Display {
         self.bar.suspend(write)
     }
 
-    /// What is being done.
+    /// Shows the name of the present piece of work.
     pub fn message(&self, what: &str) {
         let (done, total) = {
             let known = lock(&self.known);

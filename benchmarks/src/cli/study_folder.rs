@@ -42,7 +42,7 @@ pub struct StudyFolder {
     journal: Option<Journal>,
     /// The outermost folder that was made for it.
     made: Option<PathBuf>,
-    /// What the record will be made of.
+    /// The scene, calibrations and input files that the record will contain.
     source: Option<Source>,
     /// Measured curves to compare its tables with.
     measured: Vec<MeasuredCurve>,
@@ -136,7 +136,7 @@ impl StudyFolder {
         self.refused.push(row);
     }
 
-    /// Where it is.
+    /// The path of the folder.
     pub fn path(&self) -> &Path {
         &self.path
     }
@@ -160,7 +160,7 @@ impl StudyFolder {
         study(&self.runner(&progress).within(budget))
     }
 
-    /// What does the pieces of the study, once: it has the journal.
+    /// Creates the runner of the pieces of the study. The first call hands the journal over to it.
     pub fn runner<'a>(&mut self, progress: Progress<'a>) -> Runner<'a> {
         match self.journal.take() {
             Some(journal) => Runner::new(journal, progress).announcing(&|pieces| {

@@ -23,12 +23,12 @@ use std::sync::{Mutex, OnceLock};
 /// For whom standard output is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Manner {
-    /// Lines for people.
+    /// Lines of text for a human reader.
     #[default]
     Lines,
     /// Nothing: files, warnings and the exit code are enough.
     Quiet,
-    /// One JSON object.
+    /// One JSON object for a program.
     Json,
 }
 
@@ -74,8 +74,8 @@ fn fail(e: io::Error) {
     }
 }
 
-/// Whether standard output was closed when the program began. The runtime then opens the null device for reading and writing
-/// in its place, which a redirection of an output does not.
+/// True if standard output was closed when the program began. The runtime then opens the null device for reading and
+/// writing in its place, which a redirection of an output does not.
 fn nobody_reads() -> bool {
     let null = std::fs::read_link("/proc/self/fd/1").is_ok_and(|to| to.as_os_str() == "/dev/null");
     let info = std::fs::read_to_string("/proc/self/fdinfo/1").unwrap_or_default();
@@ -85,7 +85,7 @@ fn nobody_reads() -> bool {
     null && flags.is_some_and(|f| f & 0o3 == BOTH)
 }
 
-/// What is odd though not wrong, on standard error or among the warnings of the JSON object; once each.
+/// Prints a warning to standard error, or adds it to the warnings of the JSON object; each text once.
 pub fn warn(text: &str) {
     let Ok(mut warnings) = WARNINGS.lock() else {
         return;

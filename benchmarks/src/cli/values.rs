@@ -62,7 +62,7 @@ pub fn torque(text: &str) -> Result<f64, String> {
 /// Positions over a base pitch when the command line does not say.
 pub const DEFAULT_POSITIONS: usize = 24;
 
-/// A positive number.
+/// Parses a positive load of at most 1e9, in the unit of its option.
 pub fn positive_load(text: &str) -> Result<f64, String> {
     let holds = |x: &f64| *x > 0.0 && *x <= 1e9;
     number(text, holds, "expected a positive number, at most 1e9")

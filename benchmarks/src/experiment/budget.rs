@@ -51,7 +51,7 @@ impl Budget {
         }
     }
 
-    /// No bound.
+    /// A budget without a bound.
     pub fn unlimited() -> Budget {
         Budget::new(Duration::MAX)
     }
@@ -61,7 +61,7 @@ impl Budget {
         self.limit.saturating_sub(self.clock.elapsed())
     }
 
-    /// Whether nothing more may begin.
+    /// True if no time is left, so that no further piece may begin.
     pub fn is_spent(&self) -> bool {
         self.left().is_zero()
     }

@@ -1,11 +1,11 @@
-//! What is run: a model of a scene with its parameters.
+//! A configuration to run: one model of a scene with its parameters.
 
 use crate::scene_file::{ModelChoice, SceneFile};
 use gearbench_integrators::Scheme;
 use gearbench_models::spec::{Modelling, SceneSpec};
 use gearbench_reports::record::{Run, Status};
 
-/// What is run: a model with its scene (a calibration may place the gears its own way).
+/// A configuration to run: one model with its scene (a calibration may change the initial gap).
 #[derive(Clone, Debug)]
 pub struct Configuration {
     /// Name in records and on the command line.
@@ -16,9 +16,9 @@ pub struct Configuration {
     pub calibration: Option<String>,
     /// Id in records of the reference to whose history its constants were fitted, where that is the scene's own.
     pub fitted_to: Option<String>,
-    /// The scene.
+    /// The scene, with the changes of this model.
     pub scene: SceneSpec,
-    /// Its models.
+    /// Models of gears and contacts.
     pub modelling: Modelling,
     /// Its integrators, where they are not those of the plan.
     pub methods: Option<Vec<Scheme>>,
@@ -44,12 +44,12 @@ impl Configuration {
         }
     }
 
-    /// What sets it apart from others of its model.
+    /// The part of the label that distinguishes this configuration from others of the same model.
     pub fn variant(&self) -> Option<String> {
         Run::called(&self.label, &self.model).variant
     }
 
-    /// What reports call its runs.
+    /// The label of the model in reports.
     pub fn model_label(&self) -> String {
         Run::called(&self.label, &self.model).model_label()
     }
@@ -70,7 +70,7 @@ impl Configuration {
     }
 }
 
-/// What stands for the integrator of a model that was not run.
+/// The integrator that a record states for a model that was not run.
 const NO_METHOD: &str = "none";
 
 /// The row of a model with a label that cannot run: it has no method and no numbers.

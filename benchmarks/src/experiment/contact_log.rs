@@ -41,7 +41,7 @@ fn sprung_teeth(touch: &MemberContact) -> [Option<SprungTooth>; 2] {
 }
 
 impl ContactLog {
-    /// Of a scene.
+    /// An empty log for the meshes of a scene.
     pub fn new(spec: &SceneSpec, scene: &Scene) -> Self {
         let count = |i: usize| match &spec.gears[i].body {
             Body::Gear(g) => i64::from(g.teeth()),

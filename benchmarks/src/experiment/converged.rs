@@ -40,7 +40,7 @@ pub type Candidate = (Scheme, u64);
 pub struct Converged {
     /// How it was computed.
     pub by: OwnSolution,
-    /// Its history.
+    /// The contact force and other channels of the solution over time.
     pub series: TimeSeries,
 }
 
@@ -48,7 +48,7 @@ pub struct Converged {
 pub type Found = Result<Converged, String>;
 
 impl Converged {
-    /// Whether the error of a run under a method can be measured against this solution.
+    /// Checks that this solution is accurate enough to measure the error of a run under a method.
     ///
     /// # Errors
     /// The reason why it cannot, for the message of the run.

@@ -76,7 +76,7 @@ impl RunError {
         ))
     }
 
-    /// Whether the method and the model do not go together, so that a study leaves the pair out and goes on.
+    /// True if the method does not apply to the model, so that a study leaves the pair out and goes on.
     pub fn leaves_out(&self) -> bool {
         matches!(self, RunError::NoLinearPart(_) | RunError::Unsupported(_))
     }

@@ -1,4 +1,4 @@
-//! What flanks bear: contacts laid on the flanks of the first gear of each mesh, at the peak and over a run.
+//! Contact load on the flanks of the first gear of each mesh, at the largest force and as maximum over a run.
 //!
 //! Places on a flank are the length of roll and the height along the axis from the middle of the face. A contact on a slice
 //! of the width tells its load per width, or Hertz's pressure where it knows its own width; a contact of an area tells its
@@ -18,7 +18,7 @@ const MOST_PATCHES: usize = 4000;
 /// Heights closer than this part of the width are those of one column of points.
 const SAME_HEIGHT: f64 = 1e-5;
 
-/// What is known of the flanks of a mesh before any contact is.
+/// Geometry of the flanks of a mesh, independent of the contacts.
 struct Flank<'a> {
     gear: &'a Gear,
     index: usize,

@@ -59,7 +59,7 @@ const UNSEEN: Rule = Rule {
     full: 0.0,
 };
 
-/// Whether events were located in the run that a state is of.
+/// True if a state comes from a run with located events.
 pub fn is_located(s: &State, sys: &dyn SecondOrderSystem) -> bool {
     sys.layout().event_functions > 0 && s.discrete.first().is_some_and(|d| *d != 0.0)
 }
@@ -70,7 +70,7 @@ pub type Sample = [f64; 3];
 /// Records the force of a run.
 #[derive(Clone, Debug, Default)]
 pub struct ForceRecorder {
-    /// What it recorded so far.
+    /// The contact force recorded so far.
     pub history: ForceHistory,
     /// Impulse of the transverse part of the force [N s].
     pub impulse: f64,
@@ -88,7 +88,7 @@ pub struct ForceRecorder {
 }
 
 impl ForceRecorder {
-    /// One that looks within steps for jumps that no event tells of, or not.
+    /// A recorder; with `finely` it also searches within steps for jumps of the force that no event marks.
     pub fn new(finely: bool) -> Self {
         Self {
             finely,

@@ -22,7 +22,7 @@ const MOST_NUMBERS: usize = 4_000_000;
 /// Some states of a run, at equal numbers of samples from each other however long it is.
 #[derive(Clone, Debug, Default)]
 pub struct Instants {
-    /// The states.
+    /// States at the times that the run reached.
     pub states: Vec<State>,
     /// Samples from one to the next, as a power of two.
     doubled: u32,
@@ -76,7 +76,7 @@ pub struct History {
     also_steps: bool,
     /// Times of the rows [s].
     pub time: Vec<f64>,
-    /// Rows of channels.
+    /// Channels at each time, one row per time.
     pub rows: Vec<Vec<f64>>,
     /// Rows that lie on the grid.
     pub on_grid: Vec<usize>,
@@ -121,7 +121,7 @@ impl History {
         }
     }
 
-    /// The same, the force between events, and with `also_steps` the steps in contact.
+    /// A history with the contact force between events; `also_steps` adds the accepted steps in contact.
     pub fn whole(scene: &Scene, grid: Vec<f64>, also_steps: bool) -> Self {
         History {
             also_steps,
@@ -146,7 +146,7 @@ impl History {
         state_within(step, t, &mut self.sample);
     }
 
-    /// Whether there is no force in the outputs.
+    /// True if all contact forces of the outputs are zero.
     fn is_silent(&self) -> bool {
         (self.force).is_none_or(|[c, _]| self.out.channels[c] == 0.0)
     }
@@ -201,7 +201,7 @@ impl History {
         }
     }
 
-    /// Whether there is room for rows between those of the grid.
+    /// True if the limit of rows for accepted steps is not reached.
     fn keeps_steps(&self) -> bool {
         self.also_steps && self.rows.len() < self.grid.len() + MOST_ROWS
     }

@@ -18,12 +18,12 @@ static REQUESTED: LazyLock<Arc<AtomicBool>> = LazyLock::new(Arc::default);
 /// The next signal ends the program at once.
 static AT_ONCE: LazyLock<Arc<AtomicBool>> = LazyLock::new(|| Arc::new(AtomicBool::new(true)));
 
-/// Whether the program was asked to end.
+/// True once a signal asked the program to end.
 pub fn requested() -> bool {
     REQUESTED.load(Ordering::Relaxed)
 }
 
-/// What integrations look at.
+/// The flag that integrations poll; it is set by a signal.
 pub fn flag() -> &'static AtomicBool {
     &REQUESTED
 }

@@ -37,7 +37,7 @@ pub struct Subject {
     pub models: Option<String>,
 }
 
-/// First line.
+/// The first line of a journal: format, program and study.
 #[derive(Debug, PartialEq, Serialize, Deserialize)]
 struct Header {
     /// Version of the format.
@@ -64,7 +64,7 @@ impl Header {
     }
 }
 
-/// What tells builds of a tree with changes apart, which have one commit: when the program was built.
+/// Time of the build, which distinguishes builds of one commit with uncommitted changes; empty for a clean tree.
 fn build() -> String {
     let changed = machine::COMMIT.ends_with('+');
     let built = || std::env::current_exe()?.metadata()?.modified();
@@ -122,12 +122,12 @@ struct Place {
 /// Why a journal cannot be used.
 #[derive(Debug, thiserror::Error)]
 pub enum JournalError {
-    /// The file refuses.
+    /// The file cannot be read or written.
     #[error("{}: {source}", path.display())]
     Io {
-        /// The journal.
+        /// Path of the journal.
         path: PathBuf,
-        /// Reason.
+        /// The error of the operating system.
         source: std::io::Error,
     },
     /// A line before a sound one is damaged.
@@ -136,22 +136,22 @@ pub enum JournalError {
         path.display()
     )]
     Damaged {
-        /// The journal.
+        /// Path of the journal.
         path: PathBuf,
         /// The line, from 1.
         line: usize,
-        /// Reason.
+        /// Why the line cannot be read.
         reason: String,
     },
-    /// What lies in its place is no journal.
+    /// The path of the journal is occupied by something else.
     #[error(
         "{}: {found} in the place of the journal of the study; name another folder with --out, or remove it",
         path.display()
     )]
     Foreign {
-        /// The place.
+        /// Path where the journal belongs.
         path: PathBuf,
-        /// What is there.
+        /// The kind of file found at the path.
         found: &'static str,
     },
     /// It has finished pieces of another study.
@@ -161,11 +161,11 @@ pub enum JournalError {
         path.display(), of(subject)
     )]
     Other {
-        /// The journal.
+        /// Path of the journal.
         path: PathBuf,
         /// Number of its pieces.
         pieces: usize,
-        /// Their study.
+        /// The study that the pieces belong to.
         subject: Subject,
     },
 }
@@ -183,7 +183,7 @@ impl From<JournalError> for String {
     }
 }
 
-/// An open journal.
+/// A journal that is open for reading and appending.
 #[derive(Debug)]
 pub struct Journal {
     path: PathBuf,
@@ -367,7 +367,7 @@ impl Journal {
         self.places.len()
     }
 
-    /// Whether nothing is finished.
+    /// True if the journal has no finished pieces.
     pub fn is_empty(&self) -> bool {
         self.places.is_empty()
     }

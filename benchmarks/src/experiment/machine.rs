@@ -1,4 +1,4 @@
-//! What a record says of where and when it was made.
+//! Computer, program and time of a record.
 
 use gearbench_integrators::clock::processor_time;
 use gearbench_reports::record::{Machine, StudyHeader};
@@ -6,7 +6,7 @@ use gearbench_reports::record::{Machine, StudyHeader};
 /// Commit of gearbench at build time; `+` marks a tree with changes.
 pub const COMMIT: &str = env!("GEARBENCH_COMMIT");
 
-/// What a record made here and now says of itself.
+/// The header of a record that is made by this program on this computer now.
 pub fn header(scene: &str, title: &str, command: &str) -> StudyHeader {
     StudyHeader {
         scene: scene.into(),
@@ -19,7 +19,7 @@ pub fn header(scene: &str, title: &str, command: &str) -> StudyHeader {
     }
 }
 
-/// The computer.
+/// Processor, operating system and program of this computer.
 pub fn machine() -> Machine {
     let cpuinfo = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
     let cpu = cpuinfo

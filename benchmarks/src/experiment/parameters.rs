@@ -30,7 +30,7 @@ pub fn parameters(
     all
 }
 
-/// What a contact has as numbers, under the keys of scenes.
+/// Numeric parameters of a contact, under the keys of scenes.
 fn numbers(contact: &ContactSpec, gap: f64) -> impl Iterator<Item = (&'static str, f64)> {
     let pair = match contact.stiffness {
         _ if contact.points.is_some() => None,

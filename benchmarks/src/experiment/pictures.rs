@@ -23,7 +23,7 @@ pub struct Pictures {
     pub folder: PathBuf,
     /// Name of the run.
     pub name: String,
-    /// Number of frames.
+    /// Number of frames in the window.
     pub frames: usize,
     /// First and last time [s].
     pub window: [f64; 2],

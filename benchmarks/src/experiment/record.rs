@@ -1,4 +1,4 @@
-//! What a record keeps of a run: histories, energy ledger, modes, the picture at the largest force.
+//! The record of a run: histories, energy ledger, modes, and the contact points at the largest force.
 
 use super::history::History;
 use super::run::Job;
@@ -164,8 +164,8 @@ fn further_errors(spec: &SceneSpec, of_hub: impl Fn(usize) -> Vec<f64>) -> Vec<C
     (1..spec.meshes.len()).filter_map(column).collect()
 }
 
-/// What the files of a run hold beyond its series: all components of forces, torques, speeds of hubs, transmission errors
-/// of further meshes, tooth pairs and events.
+/// The channels of the history files of a run: all components of forces, torques, hub speeds, transmission errors of
+/// further meshes, tooth pairs and events.
 pub fn histories(job: &Job<'_>, scene: &Scene, history: &History) -> Histories {
     let spec = job.scene;
     let rows = &history.on_grid;

@@ -42,18 +42,18 @@ pub const LEFT_OUT: &str = "left out";
 /// No bound of time: such a run ends at its end, or at its number of steps.
 pub const NO_BOUND: Duration = Duration::from_secs(1_000_000_000);
 
-/// What a run needs to know.
+/// Input of one run: scene, models, integrator, sampling and bounds.
 #[derive(Clone, Copy)]
 pub struct Job<'a> {
-    /// The scene.
+    /// The scene to simulate.
     pub scene: &'a SceneSpec,
-    /// Its models.
+    /// Models of gears and contacts.
     pub modelling: &'a Modelling,
-    /// Table of models.
+    /// The table of gear models.
     pub models: &'a [Model],
-    /// Integrator.
+    /// Integration method with its step or tolerance.
     pub method: &'a Scheme,
-    /// End [s].
+    /// End of the simulated time [s].
     pub t_end: f64,
     /// Times to record at [s].
     pub grid: &'a [f64],
@@ -67,9 +67,9 @@ pub struct Job<'a> {
     pub histories: bool,
     /// Frames for ParaView; none where nobody asks.
     pub pictures: Option<&'a Pictures>,
-    /// Locate events.
+    /// True if contact events are located.
     pub events: bool,
-    /// Timed repeats.
+    /// Number of timed repeats.
     pub repeats: u32,
     /// Bound on the processor time of one integration, recording excluded.
     pub timeout: Duration,
@@ -123,7 +123,7 @@ impl Stopwatch {
         }
     }
 
-    /// What has passed since, without the wall time that observers took.
+    /// Cost since the start, without the wall time of the observers.
     fn read(&self, observers: Duration) -> Cost {
         let processor = (self.processor.zip(cpu_time())).map(|(from, to)| to - from);
         let (wall, observed) = (self.wall.elapsed().as_secs_f64(), observers.as_secs_f64());
@@ -141,7 +141,7 @@ fn dense_bytes(coordinates: usize) -> f64 {
 
 /// Memory of a number of a history while its run is recorded, journalled and written to a table [bytes].
 const RECORDED: f64 = 26.0;
-/// The same where no files of histories are asked for.
+/// Memory of a number of a history where no history files are written [bytes].
 const MEASURED: f64 = 14.0;
 
 /// Checks the memory of the histories of a run before it is made.
@@ -164,8 +164,8 @@ pub fn run(job: &Job<'_>) -> Result<Run, RunError> {
     run_timed(job, Duration::ZERO)
 }
 
-/// The same, with further repeats of a short run until those that are timed took this long together: the median of
-/// three times of some microseconds says little.
+/// Runs a job and repeats a short run until the timed repeats took `together` in sum: the median of three times of some
+/// microseconds is too noisy.
 pub fn run_timed(job: &Job<'_>, together: Duration) -> Result<Run, RunError> {
     let started = Instant::now();
     let mut scene = assemble(job.scene, job.modelling, job.models)?;
@@ -411,7 +411,7 @@ pub fn force_on_grid(
     Ok(history.force())
 }
 
-/// What a reader must know of modes that resonate with a fixed step of a method that is exact for them.
+/// A note on modes that resonate with the fixed step of a method that integrates modes exactly.
 fn resonance_note(job: &Job<'_>, scene: &mut Scene, linear_part: bool) -> Option<String> {
     let h = job.method.resolution.step()?;
     let n = scene.layout().n;

@@ -23,7 +23,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// What is told of the number of pieces that an interrupted start has left.
+/// Callback that receives the number of finished pieces that an interrupted start left in the journal.
 pub type Announce<'a> = &'a (dyn Fn(usize) + Sync);
 
 /// Pieces that were taken from the journal.
@@ -62,7 +62,7 @@ impl fmt::Debug for Runner<'_> {
 }
 
 impl Default for Runner<'_> {
-    /// One that keeps nothing and tells nobody.
+    /// A runner without journal, progress output and time budget.
     fn default() -> Self {
         Runner {
             journal: None,
@@ -76,7 +76,7 @@ impl Default for Runner<'_> {
 }
 
 impl<'a> Runner<'a> {
-    /// One that keeps what is finished in a journal.
+    /// A runner that stores finished pieces in a journal.
     pub fn new(journal: Journal, progress: Progress<'a>) -> Self {
         Runner {
             journal: Some(Mutex::new(journal)),
@@ -88,8 +88,8 @@ impl<'a> Runner<'a> {
         }
     }
 
-    /// The same, which announces once how many pieces it takes from an interrupted start: before it makes the first one
-    /// itself, else at its end.
+    /// Sets the callback for the number of pieces that are taken from an interrupted start. It is called once, before
+    /// the first piece is computed or at the end.
     #[must_use]
     pub fn announcing(mut self, announce: Announce<'a>) -> Self {
         self.announce = announce;
@@ -107,7 +107,7 @@ impl<'a> Runner<'a> {
         }
     }
 
-    /// The same within a budget, which counts from when it was made.
+    /// Sets the budget of processor time, which counts from its creation.
     #[must_use]
     pub fn within(mut self, budget: Budget) -> Self {
         self.budget = budget;
@@ -215,8 +215,8 @@ impl<'a> Runner<'a> {
         })
     }
 
-    /// What becomes of a run, of whatever type, made now unless it is finished: after an interruption, where its model
-    /// cannot run and where the program itself fails, what `not_made` says of it, which is not kept.
+    /// Returns the result of a run from the journal, or computes it. After an interruption, a model that cannot run or
+    /// a panic it returns the result of `not_made`, which the journal does not store.
     ///
     /// # Errors
     /// Those of the work, and [`JournalError`].
@@ -304,7 +304,7 @@ fn numbers_of(row: &Run) -> usize {
     own + whole
 }
 
-/// What a panic says.
+/// The note on a panic, for the row of the run.
 fn failure(panic: &(dyn Any + Send)) -> String {
     let text = (panic.downcast_ref::<&str>().map(|s| (*s).to_owned()))
         .or_else(|| panic.downcast_ref::<String>().cloned());

@@ -1,4 +1,4 @@
-//! What a reader must know of a scene, beside the results of a study.
+//! Settings of a scene that a report lists before the results.
 
 use super::shaft_text::{guide_text, shaft_text};
 use crate::scene_file::{ModelChoice, SceneFile, formula_limits};
@@ -27,8 +27,8 @@ fn contact_lines_text(gear: &Body, mate: &Body, distance: f64) -> Option<String>
     })
 }
 
-/// What a reader must know of the scene: geometry, positions, loads, models and where their constants come
-/// from, conventions of the stiffness.
+/// The settings of a scene for the report: geometry, positions, loads, models with the origin of their constants, and
+/// conventions of the stiffness.
 pub fn settings(
     scene: &SceneFile,
     choices: &[&ModelChoice],

@@ -17,7 +17,7 @@ fn bad(why: impl Into<String>, help: impl Into<String>) -> Refusal {
     SceneError::plain(why, help).into()
 }
 
-/// Packs the model.
+/// Packs a model of a scene as an FMU and writes the file.
 pub fn run(args: &Fmu) -> Result<Answer, Refusal> {
     let scene = scene_file::load_for(&args.scene, Selection::None)?;
     let choice = choice(args, &scene)?;
@@ -131,7 +131,8 @@ fn places(name: &str) -> Vec<PathBuf> {
     })
 }
 
-/// What a host finds in it.
+/// Describes an interface in one line: number of inputs, outputs and continuous states, and the kinds of FMI that it
+/// supports.
 fn told(all: &Interface) -> String {
     let count = |of: &dyn Fn(&Role) -> bool| {
         let roles = all.variables.iter().map(|v| v.role);

@@ -10,7 +10,7 @@ use crate::scene_file::{ModelChoice, SceneError, SceneFile, did_you_mean};
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{Load, Mount, Profile, SceneSpec, StationMember, initial_speed};
 
-/// What an input of a host acts on.
+/// Quantity of the scene on which an input of a host acts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Acts {
     /// A load of a member, by its place among that member's loads.
@@ -24,9 +24,9 @@ pub enum Acts {
 pub struct Port {
     /// Place among the gears of the scene, and the bodies behind them.
     pub member: usize,
-    /// Its name.
+    /// Name of the member, as in the scene.
     pub name: String,
-    /// How.
+    /// Load or motion that the inputs set.
     pub acts: Acts,
     /// It slides: forces and displacements in place of torques and angles.
     pub slides: bool,
@@ -36,11 +36,11 @@ pub struct Port {
 
 /// A scene and what a host sees of it.
 pub struct Coupled {
-    /// The scene.
+    /// The assembled scene.
     pub scene: Scene,
     /// Where the host acts.
     pub ports: Vec<Port>,
-    /// All variables.
+    /// The variables of the model description.
     pub interface: Interface,
 }
 

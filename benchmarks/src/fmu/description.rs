@@ -15,22 +15,22 @@ const UNITS: [(&str, [i32; 4]); 7] = [
     ("N.m", [1, 2, -2, 0]),
 ];
 
-/// What stands in the head.
+/// Data of the model description that are not variables: names, token, method, default experiment.
 #[derive(Clone, Copy, Debug)]
 pub struct Head<'a> {
     /// Name of the library inside.
     pub identifier: &'a str,
     /// Name of the scene.
     pub name: &'a str,
-    /// Its title.
+    /// Title of the scene.
     pub title: &'a str,
     /// Token that the library asks back.
     pub token: &'a str,
-    /// Method of co-simulation.
+    /// Integration method of co-simulation.
     pub scheme: Scheme,
     /// Simulated time of the scene [s], and its samples.
     pub duration: f64,
-    /// See `duration`.
+    /// Number of samples over `duration`.
     pub samples: usize,
 }
 

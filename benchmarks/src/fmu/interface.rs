@@ -1,4 +1,4 @@
-//! What a host sees of a scene: variables with names, units and roles. A value reference is the place in the list.
+//! FMI variables of a scene with names, units and roles. The value reference of a variable is its index in the list.
 
 use super::coupled::{Acts, Port};
 use gearbench_integrators::SecondOrderSystem;
@@ -9,21 +9,21 @@ use gearbench_reference::hash::Hash;
 /// Coordinates of a scene up to which its states are variables: beyond it serves co-simulation alone.
 const MOST_COORDINATES: usize = 500;
 
-/// What an input sets.
+/// Quantity that an input variable sets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quantity {
     /// A torque or force.
     Load,
     /// An angle or displacement.
     Place,
-    /// Its rate.
+    /// Rate of the angle or displacement.
     Speed,
 }
 
-/// What a variable is.
+/// Role of a variable in the FMU.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Role {
-    /// The independent variable.
+    /// The independent variable, time [s].
     Time,
     /// The parameter that makes inputs at the end of a step count.
     Interpolate,
@@ -31,7 +31,7 @@ pub enum Role {
     Input {
         /// Place among the ports.
         port: usize,
-        /// What it sets.
+        /// The quantity that the input sets.
         quantity: Quantity,
         /// At the end of the step.
         end: bool,
@@ -40,42 +40,42 @@ pub enum Role {
     Output(usize),
     /// A state: coordinates, then velocities.
     State(usize),
-    /// Its derivative.
+    /// Time derivative of the state with this index.
     Derivative(usize),
-    /// An event function.
+    /// An event function of the scene, by index; an event indicator in FMI.
     EventFunction(usize),
 }
 
-/// A variable.
+/// A variable of the model description.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Variable {
-    /// Unique name.
+    /// Name, unique within the FMU.
     pub name: String,
-    /// What it is.
+    /// Role of the variable.
     pub role: Role,
     /// Name of its unit; empty for none.
     pub unit: &'static str,
-    /// One line.
+    /// Description in one line.
     pub description: String,
     /// Value at the start, of those that can be set.
     pub start: Option<f64>,
 }
 
-/// All variables.
+/// All variables of an FMU and the sizes of its states.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Interface {
-    /// By value reference.
+    /// The variables, in the order of their value references.
     pub variables: Vec<Variable>,
-    /// Continuous states.
+    /// Number of continuous states: twice the coordinates.
     pub states: usize,
-    /// Event functions.
+    /// Number of event functions.
     pub event_functions: usize,
     /// States and event functions are variables, so that it serves model exchange.
     pub exchanges: bool,
 }
 
 impl Interface {
-    /// That of a scene.
+    /// Builds the variables of a scene whose host acts at `ports`.
     pub fn of(spec: &SceneSpec, scene: &Scene, ports: &[Port]) -> Self {
         let layout = scene.layout();
         let mut all = Interface {

@@ -16,9 +16,9 @@ use toml_edit::{DocumentMut, Item, Value};
 /// An entry of the archive.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Entry {
-    /// Path inside.
+    /// Path within the archive.
     pub path: String,
-    /// Contents.
+    /// Content of the file.
     pub bytes: Vec<u8>,
 }
 
@@ -38,12 +38,12 @@ pub struct Package {
     pub identifier: String,
     /// Token that hosts hand back.
     pub token: String,
-    /// Description and resources.
+    /// The model description and the resources.
     pub entries: Vec<Entry>,
 }
 
 impl Package {
-    /// That of a model of a scene.
+    /// Packs a model of a scene.
     ///
     /// # Errors
     /// A scene that cannot be assembled with these inputs, or one that reads files that do not lie beside it.
@@ -92,7 +92,7 @@ impl Package {
         })
     }
 
-    /// Adds the library.
+    /// Adds the shared library for the platform of this program.
     pub fn add_library(&mut self, bytes: Vec<u8>) {
         let end = std::env::consts::DLL_EXTENSION;
         let path = format!("binaries/{}/{}.{end}", platform(), self.identifier);

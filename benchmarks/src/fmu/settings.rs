@@ -1,4 +1,4 @@
-//! What the library of an FMU is told beside the scene, and how it opens its resources.
+//! Settings of an FMU that the scene does not contain, and the opening of its resources.
 
 use super::coupled::Coupled;
 use crate::scene_file::{Origin, SceneError, SceneFile};
@@ -14,7 +14,7 @@ pub const CALIBRATION: &str = "scene.calibration.toml";
 /// The settings among the resources.
 pub const SETTINGS: &str = "fmu.json";
 
-/// What the library of an FMU is told.
+/// Settings of an FMU beside its scene: model, integration method, moved hubs.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Settings {
@@ -22,12 +22,12 @@ pub struct Settings {
     pub gearbench: String,
     /// Label of the model.
     pub model: String,
-    /// Method of co-simulation.
+    /// Integration method of co-simulation.
     pub method: MethodSpec,
     /// Its step [s]; else it runs under `rtol`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub step_s: Option<f64>,
-    /// Its tolerance.
+    /// Relative tolerance of the method.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rtol: Option<f64>,
     /// Contact events are located.
@@ -44,9 +44,9 @@ pub enum OpenError {
     /// A file cannot be read.
     #[error("{path}: {error}; the resources of an FMU have to be unpacked without changes")]
     Read {
-        /// Which.
+        /// Path of the file.
         path: String,
-        /// Why.
+        /// The error of the operating system.
         error: std::io::Error,
     },
     /// The settings are none.
@@ -55,7 +55,7 @@ pub enum OpenError {
     /// The scene is none.
     #[error("{}", .0.told())]
     Scene(#[from] SceneError),
-    /// Somebody changed it.
+    /// The resources differ from the packed ones.
     #[error("{0}; pack the FMU again with `gearbench fmu`")]
     Changed(String),
 }
@@ -64,7 +64,7 @@ pub enum OpenError {
 pub struct Opened {
     /// The scene and its inputs.
     pub coupled: Coupled,
-    /// Method of co-simulation.
+    /// Integration method of co-simulation with its step or tolerance.
     pub scheme: Scheme,
     /// Contact events are located.
     pub events: bool,
@@ -87,7 +87,7 @@ impl Settings {
         serde_json::to_string_pretty(self).unwrap_or_default()
     }
 
-    /// What ties a description to resources: a host hands it back.
+    /// The instantiation token: a hash of settings and scene that ties the model description to the resources.
     pub fn token(settings: &str, scene: &str) -> String {
         let mut hash = Hash::START;
         hash.text(settings);

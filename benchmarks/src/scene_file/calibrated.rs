@@ -35,7 +35,7 @@ pub struct CalibrationUse {
     pub name: String,
     /// Scene it was fitted in.
     pub scene: String,
-    /// Label there.
+    /// Label of the model in that scene.
     pub label: String,
     /// The constants that were applied; `None` when the scene was loaded without calibrations.
     pub constants: Option<Constants>,
@@ -44,7 +44,7 @@ pub struct CalibrationUse {
 }
 
 impl CalibrationUse {
-    /// What it was fitted to.
+    /// The kind of data to which the constants were fitted.
     pub fn fitted_to(&self) -> FittedTo {
         FittedTo::named(&self.name).unwrap_or_default()
     }

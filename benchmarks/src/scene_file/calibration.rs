@@ -28,7 +28,7 @@ use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
-/// What constants were fitted to: the name of a calibration, and what it holds for.
+/// Kind of data to which constants were fitted; it is the name of a calibration.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum FittedTo {
     /// The force history of one impact.
@@ -36,12 +36,12 @@ pub enum FittedTo {
     Impact,
     /// The static compliance of finite elements over a mesh cycle.
     Static,
-    /// Both at once.
+    /// The force history and the static compliance together.
     Running,
 }
 
 impl FittedTo {
-    /// All.
+    /// All kinds, in the order of the documentation.
     pub const ALL: [FittedTo; 3] = [FittedTo::Impact, FittedTo::Static, FittedTo::Running];
 
     /// The name in files and on the command line.
@@ -58,7 +58,7 @@ impl FittedTo {
         Self::ALL.into_iter().find(|f| f.as_str() == name)
     }
 
-    /// What the constants hold for, in words.
+    /// The range of validity of the constants, in words.
     pub fn holds_for(self) -> &'static str {
         match self {
             FittedTo::Impact => {
@@ -73,12 +73,12 @@ impl FittedTo {
         }
     }
 
-    /// Whether the force history of the scene's reference took part.
+    /// True if the fit includes the force history of the scene's reference.
     pub fn to_history(self) -> bool {
         self != FittedTo::Static
     }
 
-    /// Whether the static compliance took part.
+    /// True if the fit includes the static compliance.
     pub fn to_statics(self) -> bool {
         self != FittedTo::Impact
     }
@@ -102,7 +102,7 @@ pub struct Constants {
     pub gap: Option<f64>,
     /// Slope of the stiffness along the path, see [`PairStiffness::Parabola`].
     pub slope: Option<f64>,
-    /// Curvature of it.
+    /// Curvature of the stiffness along the path, see [`PairStiffness::Parabola`].
     pub curvature: Option<f64>,
     /// Parameters of the gear model by key, in SI units; `GEAR.KEY` is that of one gear, see [`of_gear`].
     pub parameters: BTreeMap<String, f64>,
@@ -166,7 +166,7 @@ impl Constants {
         own.chain(parameters).collect()
     }
 
-    /// Those of `older` that these lack.
+    /// Adds the constants of `older` that these do not contain.
     #[must_use]
     pub fn beside(&self, older: &Constants) -> Constants {
         let all = [older.by_key(), self.by_key()].concat();

@@ -131,7 +131,7 @@ fn rule(keys: &ContactKeys, at: &Place<'_>) -> Result<PointRule, SceneError> {
     })
 }
 
-/// The same penalty at every node.
+/// Contact with the same penalty at every node [N/m].
 fn per_node(penalty: f64, keys: &ContactKeys, at: &Place<'_>) -> Result<PointContact, SceneError> {
     match rule(keys, at)? {
         PointRule::Nodes => Ok(PointContact {

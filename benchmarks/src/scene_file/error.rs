@@ -49,12 +49,12 @@ impl SceneError {
         first
     }
 
-    /// What is wrong.
+    /// The message, without place and help.
     pub fn message(&self) -> &str {
         &self.message
     }
 
-    /// The way out.
+    /// The help: how to correct the file.
     pub fn help_text(&self) -> Option<&str> {
         self.help.as_deref()
     }
@@ -80,7 +80,8 @@ impl SceneError {
         Some(breaks.count() + 1)
     }
 
-    /// The same with what is odd about the file, which may be the cause: the remark about the same line, else all.
+    /// Adds the warnings about the file to the help, as they may be the cause: those about the same line, else the
+    /// first ones.
     #[must_use]
     pub(super) fn with_remarks(mut self, odd: &[SceneError]) -> Self {
         let own = self.line();
@@ -108,7 +109,7 @@ impl SceneError {
         format!("{line}{help}")
     }
 
-    /// A further label.
+    /// Adds a label at a further place of the file.
     pub(super) fn and(mut self, span: Range<usize>, label: impl Into<String>) -> Self {
         if let Some(source) = &self.source_code {
             let span = inside(span, source.inner());

@@ -24,7 +24,8 @@ pub(crate) fn formula_limits(
 }
 
 impl SceneFile {
-    /// The same of all meshes of a model, each at the line of its contact. Flank points have no formula.
+    /// Warnings on the limits of the stiffness formulas for all meshes of a model, each at the line of its contact.
+    /// Flank points have no formula.
     pub(super) fn outside_formulas(&self, choice: &ModelChoice) -> Vec<SceneError> {
         let spec = self.spec_for(choice);
         let index = self.models.iter().position(|m| m.label == choice.label);

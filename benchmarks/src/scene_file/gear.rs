@@ -205,7 +205,7 @@ pub(super) struct GearDraft {
     pub(super) files: Vec<PathBuf>,
 }
 
-/// What gears and racks have in common.
+/// Keys that gears and racks share: mount, speed, inertia, position, loads.
 struct Hub {
     mount: (Mount, Option<Guide>),
     /// Initial speed, its key and its value.
@@ -352,7 +352,7 @@ pub(super) fn gear(
     })
 }
 
-/// A unit vector.
+/// Normalises a given axis; refuses the zero vector.
 fn axis(given: Option<[f64; 3]>, at: &Place<'_>) -> Result<Option<Vec3>, SceneError> {
     let Some(given) = given else {
         return Ok(None);

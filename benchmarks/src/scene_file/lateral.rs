@@ -62,7 +62,7 @@ keys! {
 
 macro_rules! freedoms {
     ($($name:ident: $motion:ident;)*) => { $(
-        /// What becomes of a direction.
+        /// Freedom of one out-of-plane direction of the hub: held, free or driven.
         #[derive(Clone, Debug, serde::Deserialize)]
         #[serde(rename_all = "kebab-case")]
         pub(super) enum $name {
@@ -109,7 +109,7 @@ impl<'de> Deserialize<'de> for Position {
     }
 }
 
-/// Whether spin terms act.
+/// Choice of the gyroscopic (spin) terms of a gear.
 #[derive(Clone, Copy, Debug, Default, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub(super) enum Spin {
@@ -160,7 +160,7 @@ pub(super) fn misaligned(
     Ok(tilted)
 }
 
-/// What a gear says of its lateral motion.
+/// Out-of-plane keys of a gear: bearing, freedoms, mass and inertia.
 pub(super) struct LateralKeys {
     pub(super) bearing: Option<BearingKeys>,
     pub(super) directions: Option<DirectionKeys>,

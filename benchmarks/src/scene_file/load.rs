@@ -27,7 +27,7 @@ pub fn load(path_or_name: &str) -> Result<SceneFile, SceneError> {
 /// are to be reduced.
 #[derive(Clone, Copy, Debug)]
 pub enum Selection<'a> {
-    /// All.
+    /// Builds all models of the scene.
     All,
     /// As [`SceneFile::select`] takes them.
     Labels(Option<&'a str>),
@@ -176,7 +176,7 @@ fn read(path_or_name: &str, calibrated: bool) -> Result<SceneFile, SceneError> {
     )
 }
 
-/// What can be done with a folder that is named in the place of a scene.
+/// The advice for a folder that is named in the place of a scene.
 fn contents(folder: &Path) -> String {
     if folder.join(RECORD).is_file() {
         let shown = folder.display();

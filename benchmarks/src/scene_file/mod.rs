@@ -157,16 +157,16 @@ impl TryFrom<String> for SceneName {
 pub enum Origin {
     /// Embedded in the program.
     Shipped,
-    /// A file.
+    /// A file of the user.
     File(PathBuf),
 }
 
 /// A model that cannot run its scene.
 #[derive(Clone, Debug)]
 pub struct RefusedModel {
-    /// Its label.
+    /// Label of the model in the scene.
     pub label: String,
-    /// Its model id.
+    /// Model id, as in the table of models.
     pub model: String,
     /// Why, at the line of the scene, and a way out.
     pub error: SceneError,
@@ -177,29 +177,30 @@ pub struct RefusedModel {
 pub struct SceneFile {
     /// Name, for folders and records.
     pub name: String,
-    /// One line.
+    /// Title in one line.
     pub title: String,
-    /// What it shows.
+    /// Description of the scene for lists and reports.
     pub description: String,
     /// Simulated time [s].
     pub duration: f64,
-    /// What models are held against and fitted to, in the order of the file; their data are read when a study asks.
+    /// References that models are compared with and fitted to, in the order of the file; their data are read when a
+    /// study needs them.
     pub references: Vec<NamedReference>,
-    /// What counts as accurate enough.
+    /// The accuracy that the scene requires: metric, reference and largest error.
     pub tolerance: Option<Tolerance>,
-    /// Gears and meshes.
+    /// Gears, shafts and meshes.
     pub spec: SceneSpec,
     /// Configurations to compare, at least one.
     pub models: Vec<ModelChoice>,
-    /// What a study does by default.
+    /// Defaults of studies of this scene.
     pub study: Study,
     /// Files that measured flanks of its gears were read from.
     pub flank_files: Vec<PathBuf>,
     /// Where it came from.
     pub origin: Origin,
-    /// What is odd about it, though not wrong.
+    /// Warnings on values that are valid but implausible.
     pub odd: Vec<SceneError>,
-    /// Those of its models that were built and cannot run it: studies record why, and run the others.
+    /// Models that were built and cannot run the scene: studies record the reason and run the others.
     pub refused: Vec<RefusedModel>,
     document: Document,
 }
@@ -398,7 +399,7 @@ impl SceneFile {
         Ok(odd)
     }
 
-    /// Whether a model was built and cannot run the scene.
+    /// True if a model was built and cannot run the scene.
     pub fn is_refused(&self, label: &str) -> bool {
         self.refused.iter().any(|r| r.label == label)
     }

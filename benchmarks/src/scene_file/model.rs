@@ -126,13 +126,13 @@ impl ModelChoice {
         self.own_gap.or_else(calibrated)
     }
 
-    /// What records call its runs.
+    /// The label of the model in reports.
     pub fn model_label(&self) -> String {
         Run::called(&self.label, &self.model).model_label()
     }
 }
 
-/// What models are read against.
+/// Parts of the scene that the keys of its models are checked against.
 pub(super) struct Context<'a> {
     pub(super) scene: &'a str,
     /// It is one that comes with the program.
@@ -148,7 +148,7 @@ pub(super) struct Context<'a> {
     pub(super) calibrated: bool,
 }
 
-/// Checks all configurations.
+/// Checks all models of a scene.
 pub(super) fn models(
     list: Vec<ModelKeys>,
     context: &Context<'_>,

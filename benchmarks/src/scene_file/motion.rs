@@ -48,7 +48,7 @@ struct Start<'s> {
     warnings: Vec<SceneError>,
 }
 
-/// What of the speeds and loads of a scene is implausible.
+/// Returns warnings on implausible speeds and loads of a scene.
 pub(super) fn check(scene: &SceneFile) -> Vec<SceneError> {
     let mut start = Start {
         scene,
@@ -72,7 +72,7 @@ fn constant(loads: &[Load], speed: f64) -> Option<f64> {
     loads.iter().map(of).sum()
 }
 
-/// Whether a function of time has one sign.
+/// True if a function of time does not change its sign.
 fn keeps_sign(profile: &Profile) -> bool {
     match profile {
         Profile::Constant(_) => true,
@@ -159,7 +159,7 @@ impl Start<'_> {
         driven.chain(members.clone().filter(moving)).collect()
     }
 
-    /// Whether a load or a driven hub acts on the train of a member.
+    /// True if a load or a driven hub acts on the gear train of a member.
     fn is_driven_or_loaded(&self, member: usize) -> bool {
         let acts = |load: &Load| match load {
             Load::Applied(profile) => profile.greatest() != 0.0,
@@ -362,7 +362,7 @@ impl Start<'_> {
         self.warnings.extend(found);
     }
 
-    /// Whether the flanks of a mesh start apart on purpose, within the backlash.
+    /// True if the flanks of a mesh deliberately start apart, within the backlash.
     fn starts_apart(&self, mesh: &MeshSpec) -> bool {
         let [a, b] = mesh.gears.map(|g| &self.scene.spec.gears[g]);
         mesh_layout(a, b).is_ok_and(|l| mesh.start.gap >= APART * l.pair.backlash_normal())

@@ -1,4 +1,5 @@
-//! What no solid can be is refused; what is only odd is said. Both at the line, with the unit that is probably meant.
+//! Checks of plausibility. Physically impossible values are refused, unusual values cause a warning. Both name the line
+//! and the unit that was probably meant.
 //!
 //! Bounds of the possible:
 //! - a rim that turns with the surface speed `v` carries the hoop stress `rho v^2`, beyond Young's modulus `E` where `v`
@@ -383,7 +384,7 @@ fn steps(schemes: &[Scheme], scene: &SceneFile, at: &Place<'_>) -> Result<(), Sc
     Ok(())
 }
 
-/// What is wrong with a step that is longer than the simulated time [s].
+/// The message on a step that is longer than the simulated time [s], if it is.
 pub(super) fn too_long(scheme: &Scheme, duration: f64) -> Option<String> {
     match scheme.resolution {
         Resolution::Step(h) if h > duration => Some(format!(

@@ -56,7 +56,7 @@ impl SceneFile {
         Ok(found)
     }
 
-    /// The same for accuracy against cost, which may have models of its own by default.
+    /// Selects the models of the study of accuracy against cost, which may have defaults of its own.
     ///
     /// # Errors
     /// [`SceneError`] lists the labels there are.

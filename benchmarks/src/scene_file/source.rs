@@ -1,4 +1,4 @@
-//! What records keep of a scene, and a scene that is run again from there.
+//! The source of a record: text and inputs of its scene, and a scene that is rerun from a record.
 //!
 //! A record that is run again stands in for its scene: text and calibrations are those of the record, relative paths
 //! still lead from where the scene file was, and the files there have to be the same.
@@ -86,7 +86,7 @@ impl SceneFile {
         own.into_iter().chain(self.files_read()).collect()
     }
 
-    /// What a record of it keeps.
+    /// The text, calibrations and hashes of input files for the record of a study.
     pub fn source(&self) -> Source {
         let mut calibrations: BTreeMap<String, Calibration> = BTreeMap::new();
         for used in self.models.iter().filter_map(|m| m.calibration.as_ref()) {

@@ -99,14 +99,14 @@ const EXACT_STEP: f64 = 1e-6;
 /// Step of full finite elements, likewise, in times in which a wave crosses a module.
 const CROSSING: f64 = 0.5;
 
-/// What a study of a scene does when the command line does not say otherwise.
+/// Defaults of studies of a scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Study {
     /// Labels of the models, in the order of the scene.
     pub models: Vec<String>,
-    /// Integrators.
+    /// Integration methods with their step or tolerance.
     pub integrators: Vec<Scheme>,
-    /// Locate contact events.
+    /// True if contact events are located.
     pub events: bool,
     /// Samples of the histories over the duration.
     pub samples: usize,
@@ -122,7 +122,7 @@ pub struct Study {
     pub sweep: Sweep,
     /// Maps of where methods fail.
     pub stability: Vec<StabilitySet>,
-    /// Accuracy against cost.
+    /// Settings of the study of accuracy against cost.
     pub precision: Precision,
 }
 
@@ -184,9 +184,9 @@ pub(super) fn default_of(model: &str, gears: &[&GearSpec]) -> Option<Vec<Scheme>
     (properties.modes).then(|| vec![TRIGONOMETRIC.at_step(EXACT_STEP)])
 }
 
-/// The same of a model that is built. Gears with modes take the method that is exact for these, at the longest step up to
-/// [`EXACT_STEP`] at which no mode resonates with it, in one significant digit; where a carrier, a bearing or terms of
-/// rotation couple the modes, an adaptive method.
+/// Default integrators of a model that is built. Gears with modes take the method that is exact for these, at the
+/// longest step up to [`EXACT_STEP`] at which no mode resonates with it, in one significant digit; where a carrier, a
+/// bearing or terms of rotation couple the modes, an adaptive method.
 pub(super) fn default_in(model: &str, scene: &mut Scene) -> Option<Vec<Scheme>> {
     if !properties_of(models(), model).modes {
         return None;
@@ -258,7 +258,8 @@ fn scheme(keys: &IntegratorKeys, at: &Place<'_>) -> Result<Scheme, SceneError> {
     Ok(Scheme { method, resolution })
 }
 
-/// What is limited where the scene does not say: the integrator's error against the model's own converged solution.
+/// The default metric of a tolerance; against the model's own converged solution it measures the integration error
+/// alone.
 fn metric_against(id: &str) -> Metric {
     match Metric::default() {
         metric if id == SELF => metric.of_integration(),

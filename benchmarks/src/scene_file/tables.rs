@@ -15,17 +15,17 @@ const MEMORY_OVER_TEXT: f64 = 14.0;
 pub struct TableText {
     /// Name of the file.
     pub name: String,
-    /// Its text.
+    /// The decoded text of the file.
     pub decoded: String,
-    /// Whether it is Latin-1.
+    /// True if the file is encoded in Latin-1.
     pub latin: bool,
 }
 
 /// Why a file is no table of text, and a way out.
 pub struct Unreadable {
-    /// What is wrong, with the name of the file.
+    /// The message, with the name of the file.
     pub why: String,
-    /// The way out.
+    /// The help: how to provide a readable file.
     pub help: String,
 }
 

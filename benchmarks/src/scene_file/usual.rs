@@ -19,10 +19,10 @@ const OTHER_LENGTHS: &[(f64, &str)] = &[(1e-3, "millimetres"), (1e-6, "micrometr
 /// Bounds of the module [m].
 const MODULES: [f64; 2] = [5e-5, 0.1];
 
-/// What the bounds of a length count in.
+/// Unit in which the bounds of a length are given.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Measure {
-    /// Metres.
+    /// Absolute bounds in metres [m].
     Metre,
     /// Modules of the gear, outside of gears those of the largest one.
     Module,
@@ -214,7 +214,7 @@ pub(super) const INERTIA: Usual = Usual {
 };
 
 impl Usual {
-    /// What is odd about a value, if anything is, and the value in the unit that is probably meant.
+    /// Returns a warning on an unusual value, with the value in the unit that is probably meant.
     pub(super) fn odd(&self, place: &Place<'_>, key: &str, value: f64) -> Option<SceneError> {
         let [least, most] = self.range;
         if (least..=most).contains(&value.abs()) {

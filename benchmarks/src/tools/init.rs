@@ -81,7 +81,7 @@ pub struct Init {
     pub force: bool,
 }
 
-/// Writes the scene.
+/// Writes a scene to start from, or a folder of them.
 pub fn run(args: &Init) -> Result<Answer, Refusal> {
     if args.what == FOLDER {
         return write_folder(args);
@@ -180,7 +180,7 @@ mod tests {
     use super::*;
     use crate::scene_file::{Origin, SceneFile};
 
-    /// What is written is read, whatever its place, and has the constants of the shipped one.
+    /// Written scenes can be read from any folder and have the constants of the shipped ones.
     #[test]
     fn scenes_to_start_from_stand_alone() {
         let names = TEMPLATES

@@ -90,7 +90,7 @@ fn way_out(dir: &Path) -> String {
     }
 }
 
-/// Writes the report.
+/// Rewrites the report of a record.
 pub fn run(args: &Report) -> Result<Answer, Refusal> {
     check_record(&args.dir)?;
     // A folder without a record is refused by what reads it.

@@ -25,7 +25,7 @@ The command repeats the study of the record, with the scene and the calibrations
 compares the new record with it: all values except times have to be equal, else the exit code is 1. It writes to the
 output folder only: options of the study that write a baseline, a calibration or a scene are ignored.";
 
-/// What tells the two programs apart, beside what depends on the clock.
+/// Fields of a record that identify the program that wrote it, apart from those that depend on the clock.
 const OF_THE_PROGRAM: [&str; 2] = ["commit", "source"];
 
 /// Arguments of `rerun`.
@@ -111,7 +111,7 @@ impl Again {
         self.before.study().as_str()
     }
 
-    /// Whether the command line runs the study of the record: options that all commands have take no values, and the
+    /// True if the command line runs the study of the record: options that all commands have take no values, and the
     /// first other word is the command.
     pub fn names_its_study(&self) -> bool {
         let command = self.words.iter().find(|word| !word.starts_with('-'));

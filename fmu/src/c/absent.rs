@@ -1,5 +1,6 @@
-//! What these FMUs do not have: variables of other types, clocks, serialised states, partial derivatives, scheduled
-//! execution. Asked for nothing, such a function has done it; else it says what is missing.
+//! Functions of FMI 3.0 for features that these FMUs do not have: variables of other types, clocks, serialised states,
+//! partial derivatives, scheduled execution. A call for zero variables succeeds; any other call logs the missing
+//! feature and fails.
 
 use super::{Log, Logger, Status, text, with};
 use crate::instance::{Done, Failure};
@@ -65,7 +66,7 @@ macro_rules! absent {
     )* };
 }
 
-/// The same over a list of variables that is empty.
+/// Functions over a list of variables of a type that does not occur; only an empty list succeeds.
 macro_rules! absent_of {
     ($($name:ident($($argument:ident: $type:ty),*), $what:literal;)*) => { $(
         #[unsafe(no_mangle)]

@@ -24,23 +24,23 @@ use crate::instance::{Done, Failure, Instance};
 use std::ffi::{CStr, CString, c_char, c_int, c_void};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-/// `fmi3Status`.
+/// Return code of FMI functions, `fmi3Status`.
 pub type Status = c_int;
 pub const OK: Status = 0;
 pub const ERROR: Status = 3;
 pub const FATAL: Status = 4;
 
-/// `fmi3LogMessageCallback`.
+/// Callback for messages to the host, `fmi3LogMessageCallback`.
 pub type Log = Option<unsafe extern "C" fn(*mut c_void, Status, *const c_char, *const c_char)>;
 
-/// What `fmi3Instance` points to.
+/// The object behind the pointer `fmi3Instance`.
 pub(crate) struct Handle {
     instance: Instance,
     name: String,
     logger: Logger,
 }
 
-/// Where messages go.
+/// Callback of the host for messages, with its environment.
 #[derive(Clone, Copy)]
 pub(crate) struct Logger {
     environment: *mut c_void,

@@ -54,7 +54,7 @@ fn start(fmu: &Fmu) -> [f64; 4] {
     [PRESSED - teeth / SHAFT, PRESSED, 0.0, 0.0]
 }
 
-/// What the host's part does under a torque of the teeth.
+/// Time derivative of the driveline in the host, under a torque of the mesh [N m].
 fn driveline([motor, hub, v, w]: [f64; 4], teeth: f64) -> [f64; 4] {
     let shaft = SHAFT * (motor - hub);
     [

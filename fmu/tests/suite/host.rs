@@ -99,7 +99,7 @@ unsafe extern "C" {
     ) -> c_int;
 }
 
-/// What stands for all functions: only their addresses count.
+/// Declares the functions of the standard without their signatures: only the addresses are compared.
 macro_rules! exported {
     ($($name:ident)*) => {
         mod addresses {
@@ -136,7 +136,7 @@ mod all_functions {
 pub use all_functions::all;
 
 thread_local! {
-    /// What instances of this thread said.
+    /// Messages that instances of this thread logged.
     static SAID: RefCell<Vec<String>> = const { RefCell::new(Vec::new()) };
 }
 
@@ -150,7 +150,7 @@ unsafe extern "C" fn listen(
     SAID.with_borrow_mut(|said| said.push(format!("{status}: {text}")));
 }
 
-/// What was said since the last call.
+/// Returns the messages logged since the last call.
 pub fn said() -> String {
     SAID.with_borrow_mut(std::mem::take).join("\n")
 }
@@ -239,7 +239,7 @@ impl Fmu {
         })
     }
 
-    /// Whether an instance without a name is made.
+    /// True if the library accepts an instance without a name.
     pub fn is_made_without_a_name(package: &Package) -> bool {
         let named = Self::stepping(package);
         let resources = format!("{}/resources/", named.folder.path().display());
@@ -266,12 +266,12 @@ impl Fmu {
         Self::try_new(package, exchange, None).unwrap_or_else(|| panic!("{}", said()))
     }
 
-    /// For co-simulation.
+    /// An instance for co-simulation.
     pub fn stepping(package: &Package) -> Fmu {
         Self::made(package, false)
     }
 
-    /// For model exchange.
+    /// An instance for model exchange.
     pub fn exchanging(package: &Package) -> Fmu {
         Self::made(package, true)
     }
@@ -302,7 +302,7 @@ impl Fmu {
         unsafe { fmi3SetContinuousStates(self.instance, x.as_ptr(), x.len()) }
     }
 
-    /// Whether derivatives can be read, and what they are.
+    /// Reads the derivatives of the continuous states; returns the status and the values.
     pub fn try_rates(&self) -> (c_int, Vec<f64>) {
         let mut x = vec![0.0; self.sizes()[0]];
         let status =

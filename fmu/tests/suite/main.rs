@@ -16,7 +16,7 @@ use gearbench::fmu::package::Package;
 use gearbench::scene_file::{Origin, SceneFile, Selection, load_for};
 use gearbench_integrators::Scheme;
 
-/// A shipped scene.
+/// Loads a shipped scene by name.
 fn shipped(name: &str) -> SceneFile {
     load_for(name, Selection::None).unwrap_or_else(|e| panic!("{name}: {}", e.told()))
 }

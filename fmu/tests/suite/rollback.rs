@@ -21,7 +21,7 @@ impl Random {
 
 const STEP: f64 = 1e-5;
 
-/// What the host applies, linear over each step.
+/// Torque of the host at the end of step `i` [N m], interpolated linearly within each step.
 fn torque(i: usize) -> f64 {
     4.0 * (0.02 * i as f64).sin()
 }

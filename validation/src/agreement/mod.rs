@@ -21,7 +21,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// What came of a scene.
+/// Result of `compare` and `choose` for one scene.
 #[derive(Clone, Debug, Default)]
 pub struct Row {
     pub number: usize,
@@ -243,7 +243,7 @@ impl Row {
         }
     }
 
-    /// Whether nothing is decided by a command.
+    /// True, by command, if the command decided nothing (`compare`, then `choose`).
     pub fn undecided(&self) -> [bool; 2] {
         let some = |wanted| self.models.iter().any(|(_, a)| *a == Some(wanted));
         [

@@ -12,7 +12,7 @@ pub const SEED: u64 = 74_120_263_511_907;
 /// Scenes that there are.
 pub const SCENES: usize = 40;
 
-/// What happens in a scene.
+/// Kind of a sampled scene: mechanism and loading.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     PairLoaded,
@@ -37,7 +37,7 @@ impl Kind {
         Kind::Planetary,
     ];
 
-    /// In words.
+    /// The name of the kind in tables.
     pub fn as_str(self) -> &'static str {
         match self {
             Kind::PairLoaded => "pair under load",
@@ -52,7 +52,7 @@ impl Kind {
     }
 }
 
-/// A sampled scene.
+/// A sampled scene with the metric and the tolerance of its question.
 #[derive(Clone, Debug)]
 pub struct UserScene {
     pub number: usize,
@@ -63,7 +63,7 @@ pub struct UserScene {
     pub text: String,
 }
 
-/// What gears of a scene have in common [m].
+/// Module and face width that the gears of a scene share [m].
 struct Toothing {
     module: f64,
     width: f64,

@@ -42,7 +42,7 @@ const UNITS: [(&str, f64); 19] = [
 pub struct Anchor {
     /// Name of the stored value: source and key.
     pub id: String,
-    /// The printed number.
+    /// The number as the document prints it.
     pub printed: String,
     /// Its place in the text.
     pub at: Range<usize>,

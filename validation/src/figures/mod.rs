@@ -45,7 +45,7 @@ pub struct Difference {
     line: usize,
     id: String,
     printed: String,
-    /// What is stored, rounded as the document prints it; `None` where nothing is.
+    /// The stored value, rounded as the document prints it; `None` where no value is stored.
     stored: Option<String>,
 }
 
@@ -66,7 +66,7 @@ pub fn repository() -> PathBuf {
 }
 
 impl Figures {
-    /// The stored ones.
+    /// Loads the stored values from the folder of the repository.
     ///
     /// # Errors
     /// The file cannot be read: which, and why.

@@ -25,7 +25,7 @@ pub struct Source {
     pub figures: BTreeMap<String, String>,
 }
 
-/// All sources.
+/// Reads all sources of figures from `validation/figures.toml`.
 ///
 /// # Errors
 /// The file cannot be read as such: what TOML says of it.

@@ -2,9 +2,9 @@
 
 use gearbench::scene_file::SceneFile;
 
-/// What is fitted.
+/// A fit: model, free constants and constants at fixed values.
 pub struct Wanted {
-    /// Name.
+    /// Name of the fit in tables.
     pub name: &'static str,
     /// Id of the model.
     pub model: &'static str,

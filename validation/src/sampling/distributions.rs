@@ -10,7 +10,7 @@ use std::f64::consts::{PI, TAU};
 pub const LONGEST: f64 = 20e-3;
 /// Part of the scenes that are of one impact, and of these with those of several.
 const IMPACTS: f64 = 0.45;
-/// See [`IMPACTS`].
+/// Share of the scenes with one or several impacts; see [`IMPACTS`].
 const FREE: f64 = 0.70;
 /// Part of the scenes without damping.
 const UNDAMPED: f64 = 0.35;
@@ -19,7 +19,7 @@ const PENALTY: f64 = 4e12;
 /// First frequency of a tooth over the module [Hz m].
 const TOOTH_FREQUENCY: f64 = 244.0;
 
-/// What happens in a scene.
+/// Kind of loading of a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Kind {
     Impact,
@@ -30,7 +30,7 @@ pub enum Kind {
 }
 
 impl Kind {
-    /// All kinds.
+    /// All kinds of loading.
     #[cfg(test)]
     pub const ALL: [Kind; 3] = [Kind::Impact, Kind::Hammer, Kind::Load];
 

@@ -61,7 +61,7 @@ pub struct Sample {
     /// Modes have damping of their own, which full finite elements do not know.
     pub damps_modes: bool,
     pub text: String,
-    /// What the text says; its models are read, not built.
+    /// The scene of `text`; its models are read, but not built.
     pub scene: SceneFile,
     /// Samples that were not sound.
     pub rejected: u32,

@@ -20,11 +20,11 @@ pub struct Set {
     pub scenes: usize,
     /// So many of its scenes of one impact, the first, are validated against full finite elements.
     pub full_order: usize,
-    /// What its distributions have of their own.
+    /// Parameters of the distributions of this set.
     pub own: Own,
 }
 
-/// What the distributions of a set have of their own.
+/// Parameters of the distributions of one set.
 #[derive(Clone, Debug, PartialEq, serde::Deserialize, serde::Serialize)]
 #[serde(default, rename_all = "kebab-case")]
 pub struct Own {
@@ -57,17 +57,17 @@ impl Default for Own {
 pub enum SampleError {
     #[error("there is no set `{name}`; there are {}", known.join(" and "))]
     Set {
-        /// What was asked for.
+        /// The requested name.
         name: String,
-        /// What there is.
+        /// Names of the existing sets.
         known: Vec<String>,
     },
     #[error("the set `{set}` has scenes 1 to {last}, not {number}")]
     Number {
         set: String,
-        /// Its last scene.
+        /// Number of the last scene of the set.
         last: usize,
-        /// What was asked for.
+        /// The requested number.
         number: usize,
     },
     /// The list of sets cannot be read.

@@ -52,7 +52,7 @@ const fn rack(teeth: [u32; 2], module: f64, width: f64, shift: f64, bore: f64) -
     }
 }
 
-/// Pairs of gears.
+/// Pairs of external gears that scenes are sampled from.
 pub const PAIRS: [Toothing; 12] = [
     pair([20, 30], 4.0e-3, 10e-3, [0.0, 0.0], [15e-3, 25e-3]),
     pair([16, 24], 4.5e-3, 14e-3, [0.1817, 0.1715], [15e-3, 15e-3]),
@@ -68,7 +68,7 @@ pub const PAIRS: [Toothing; 12] = [
     pair([28, 56], 1.5e-3, 10e-3, [0.0, 0.0], [8e-3, 18e-3]),
 ];
 
-/// Pinions on racks.
+/// Pinions with racks that scenes are sampled from.
 pub const RACKS: [Toothing; 2] = [
     rack([20, 5], 2.0e-3, 10e-3, 0.0, 8e-3),
     rack([16, 7], 2.5e-3, 18e-3, 0.3, 9e-3),

@@ -1,4 +1,4 @@
-//! What is measured on whole scenes: the times of histories, errors, the time of a run without observers.
+//! Measurements on whole scenes: times of the histories, errors, computing time of a run without observers.
 
 use super::ValidationError;
 use gearbench::experiment::machine::cpu_time;

@@ -60,7 +60,7 @@ pub enum ValidationError {
     Reference { method: String, why: String },
     #[error(transparent)]
     Journal(#[from] JournalError),
-    /// What is to be checked is not there, or a fit failed.
+    /// The requested subject does not exist, or a fit failed.
     #[error("{0}")]
     Other(String),
 }
@@ -276,7 +276,7 @@ fn put_cheapest(row: &mut ValidatedChoice, c: &Candidate, error: f64, cost: Opti
     row.cheapest_cost_s = cost;
 }
 
-/// Words for candidates.
+/// Verdicts on candidates in the table.
 const ADEQUATE: &str = "adequate";
 const INADEQUATE: &str = "inadequate";
 /// It costs more than the cheapest adequate one.

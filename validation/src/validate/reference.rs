@@ -1,4 +1,4 @@
-//! What choices are held against: the densest elastic model on the refined mesh, with the contact of half-spaces where the
+//! The reference of the validation: the densest elastic model on the refined mesh, with half-space contact where the
 //! scene allows it.
 //!
 //! Beside it stands what it may be off itself (twice the step, fewer modes), and what the mesh and the contact of
@@ -19,9 +19,9 @@ const FEWER: usize = 200;
 const _: () = assert!(FEWER < DENSEST);
 /// Parts of its step that the densest elastic model is given, in the order in which they are tried.
 const FINER: [f64; 2] = [1.0, 0.25];
-/// What it is called.
+/// Name of the reference with half-space contact.
 pub const NAME: &str = "refined elastic model";
-/// The same where no run on half-spaces is sound.
+/// Name of the reference with the contact of the scene, where no run with half-space contact is sound.
 pub const MESH_NAME: &str = "refined elastic model, contact of the scene";
 
 pub struct Reference {

@@ -40,7 +40,7 @@ const ALIKE: f64 = 1e-6;
 pub struct MeshPhase {
     /// Closing of the flanks by the hubs, from the first phase [m].
     pub closing: f64,
-    /// Force [N].
+    /// Sum of the normal forces [N].
     pub force: f64,
     /// Compliance between the hubs [m/N].
     pub compliance: f64,
@@ -50,12 +50,13 @@ pub struct MeshPhase {
     pub damping: f64,
 }
 
-/// What a mesh is to the coordinates of its scene, at the first phase.
+/// Coupling of a mesh to the coordinates of its scene at the first phase: closing by coordinate, stiffness and damping.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MeshRow {
     /// Closing of its flanks by unit of each coordinate.
     pub flanks: Vec<f64>,
-    /// The same by hubs alone: teeth and modes move flanks only as far as they turn the hub.
+    /// Closing by unit of each coordinate through the hubs alone: teeth and modes count only as far as they turn the
+    /// hub.
     pub hubs: Vec<f64>,
     /// Stiffness of the contact [N/m].
     pub stiffness: f64,
@@ -75,7 +76,7 @@ impl MeshRow {
 /// Meshes of one frequency through their cycle.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MeshCycle {
-    /// The meshes.
+    /// Indices of the meshes in the scene.
     pub meshes: Vec<usize>,
     /// Frequency at the speeds of the scene [Hz].
     pub frequency: f64,
@@ -116,9 +117,9 @@ impl MeshCycle {
 pub struct Running {
     /// Its loaded state at the start.
     pub start: Loaded,
-    /// Its meshes.
+    /// One row for each mesh of the scene.
     pub rows: Vec<MeshRow>,
-    /// Their cycles.
+    /// Mesh cycles, one for each mesh frequency.
     pub cycles: Vec<MeshCycle>,
 }
 
@@ -145,7 +146,7 @@ fn free_of(scene: &Scene, mesh: usize) -> Option<(usize, usize)> {
     gears.into_iter().zip(0..).find(free)
 }
 
-/// What all phases need.
+/// Quantities that all phases of a mesh cycle share.
 struct Cycle<'a> {
     scene: &'a mut Scene,
     scales: Vec<f64>,

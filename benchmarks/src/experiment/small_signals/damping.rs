@@ -1,4 +1,4 @@
-//! Damping of modes.
+//! Damping of the natural modes of a linearised scene.
 //!
 //! With orthonormal modes `Phi` in coordinates of unit mass the damping matrix is `d = Phi^T D Phi`. Where it is diagonal the
 //! ratios are `d_ii / (2 omega_i)`, exactly. Dampers that couple modes, and gyroscopic terms, which are skew, ask for the
@@ -24,7 +24,7 @@ const SLACK: f64 = 1e-6;
 /// Damping of a mode.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Damped {
-    /// Ratio.
+    /// Damping ratio, relative to critical damping [-].
     pub ratio: f64,
     /// Frequency [rad/s], where it is not that without damping.
     pub omega: Option<f64>,

@@ -37,7 +37,7 @@ const MOST_HALVINGS: u32 = 45;
 
 /// A state about which a scene is linear, and what it is there.
 pub struct Loaded {
-    /// The state.
+    /// Coordinates, velocities and discrete state of the equilibrium.
     pub state: State,
     /// The scene to first order there.
     pub linear: LinearisedScene,
@@ -45,7 +45,7 @@ pub struct Loaded {
     pub space: Space,
     /// Modes without the rigid motions.
     pub modes: Modes,
-    /// Rigid motions `y`.
+    /// Rigid-body motions `y`, in coordinates of unit mass.
     pub rigid: Vec<DVector<f64>>,
     /// Steps that led there; 0 for a start that is taken as it is.
     pub steps: u32,
@@ -106,7 +106,7 @@ enum Along {
     Met(f64),
 }
 
-/// What is the same at all states of a search.
+/// Quantities that all iterations of a search for equilibrium share.
 struct Search<'a> {
     scene: &'a mut Scene,
     space: Space,

@@ -50,7 +50,7 @@ pub enum NotSolved {
         imbalance
     )]
     Unbalanced {
-        /// Steps taken.
+        /// Number of Newton steps taken.
         steps: u32,
         /// Largest force that is not balanced, over the largest load.
         imbalance: f64,
@@ -92,7 +92,7 @@ pub fn settled(spec: &SceneSpec) -> SceneSpec {
     spec
 }
 
-/// Whether a scene has loads at a time.
+/// True if an applied or viscous load acts in a scene at a time [s].
 pub fn has_loads(spec: &SceneSpec, t: f64) -> bool {
     let acts = |load: &Load| match load {
         Load::Applied(p) => p.value(t) != 0.0,

@@ -15,7 +15,7 @@ pub const SLACK: f64 = 1e-12;
 pub struct Motion {
     /// Angular frequency [rad/s]; zero of rigid motions and of those with a negative stiffness.
     pub omega: f64,
-    /// Eigenvalue [rad^2/s^2].
+    /// Eigenvalue `omega^2` [rad^2/s^2].
     pub square: f64,
     /// Damping, of motions that swing.
     pub damped: Option<Damped>,
@@ -69,7 +69,7 @@ pub struct Energies {
     pub kinetic: Vec<f64>,
     /// The part of it in own coordinates, by member [J].
     pub own: Vec<f64>,
-    /// Strain [J].
+    /// Strain energy by spring [J].
     pub strain: BTreeMap<StrainIn, f64>,
 }
 
@@ -93,7 +93,7 @@ pub fn energies(scene: &mut Scene, s: &State, linear: &LinearisedScene, x: &[f64
 }
 
 impl Energies {
-    /// Those of several motions together.
+    /// Adds the energies of another motion.
     pub fn add(&mut self, other: Energies) {
         for (to, from) in [
             (&mut self.kinetic, other.kinetic),

@@ -37,10 +37,10 @@ pub struct GroundForce {
     pub of_meshes: [Vec<f64>; 2],
 }
 
-/// What a mesh answers at a mesh frequency.
+/// Response of one mesh at a mesh frequency.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MeshAnswer {
-    /// The mesh.
+    /// Index of the mesh in the scene.
     pub mesh: usize,
     /// Transmission error about its mean, through a cycle [m].
     pub error: Vec<f64>,
@@ -48,7 +48,7 @@ pub struct MeshAnswer {
     pub force: Vec<f64>,
 }
 
-/// What the scene answers at a mesh frequency of a group of meshes.
+/// Response of the scene at the mesh frequency of a group of meshes.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Answer {
     /// Mesh frequency [Hz].
@@ -63,7 +63,7 @@ pub struct Answer {
 struct Rest {
     squares: Vec<f64>,
     damping: DMatrix<f64>,
-    /// Dampers couple modes.
+    /// True if dampers couple the modes.
     coupled: bool,
     /// Rows of flanks of the group, mode by mode.
     flanks: Vec<DVector<f64>>,
@@ -84,7 +84,8 @@ fn row(x: &[f64]) -> DMatrix<f64> {
     DMatrix::from_row_slice(1, x.len(), x)
 }
 
-/// What teeth and modes give way by under a unit force of their mesh that loads on the hubs hold up [m/N].
+/// Quasi-static compliance of teeth and modes under a unit force of their mesh that is balanced by loads on the hubs
+/// [m/N].
 fn slowly(
     scene: &Scene,
     running: &Running,
@@ -162,7 +163,7 @@ impl<'a> Response<'a> {
         })
     }
 
-    /// What teeth and modes of a mesh give way by.
+    /// Deflection of the teeth and modes of a mesh relative to its hubs.
     fn behind(&self, mesh: usize, answer: &DVector<C>) -> C {
         dot(&self.rest.flanks[mesh], answer) - dot(&self.rest.hubs[mesh], answer)
     }

@@ -34,7 +34,7 @@ pub struct Modes {
 }
 
 impl Space {
-    /// All motions.
+    /// The space of all motions, without constraints.
     pub fn new(mass: &DMatrix<f64>) -> Result<Space, NotSolved> {
         let mass = (mass.clone().cholesky())
             .ok_or(NotSolved::Matrices("its mass is not positive definite"))?;
@@ -77,7 +77,7 @@ impl Space {
         self.mass.l_dirty().nrows() - self.held()
     }
 
-    /// `L^-1 f`.
+    /// Computes `L^-1 f` with the Cholesky factor `L` of the mass matrix.
     fn over_mass(&self, f: &[f64]) -> DVector<f64> {
         let mut y = DVector::from_column_slice(f);
         self.mass.l_dirty().solve_lower_triangular_mut(&mut y);

@@ -50,7 +50,8 @@ enum Verdict {
     NotJudged(String),
 }
 
-/// What makes an error against a reference smaller: of a model against itself it is one of integration.
+/// The advice that reduces the error of a run against a reference; for a model's own converged solution it is an
+/// integration error.
 fn way_out(run: &Run, against: &str, limit: f64) -> &'static str {
     const FINER: &str = "use a smaller step or tolerance";
     if against == SELF {

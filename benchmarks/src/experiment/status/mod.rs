@@ -61,7 +61,7 @@ pub fn status_of(e: &StepError) -> Status {
     }
 }
 
-/// What an integrator says of itself, with a way out; one with a `fixed` step has no tolerance to loosen.
+/// The message of an integration error with advice; a method with a `fixed` step has no tolerance to loosen.
 pub fn message_of(e: &StepError, fixed: bool) -> String {
     match e {
         StepError::NewtonDiverged { t, h, residual, .. } if !residual.is_finite() => format!(
@@ -92,9 +92,9 @@ pub fn message_of(e: &StepError, fixed: bool) -> String {
 /// Something that went wrong during a run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Finding {
-    /// When [s].
+    /// Time of the finding [s].
     pub time: f64,
-    /// The label.
+    /// Status of the run that the finding causes.
     pub status: Status,
     /// When, how much, and a way out.
     pub message: String,
@@ -103,9 +103,9 @@ pub struct Finding {
 /// Watches a run: records its history and energy, and stops it once its energy is mostly made up, as an unstable run
 /// would otherwise go on to ever larger numbers and ever more impacts.
 pub struct RunMonitor {
-    /// Channels over time.
+    /// Recorded channels over time.
     pub history: History,
-    /// Energy balance.
+    /// Energy balance of the run.
     pub ledger: Ledger,
     tunnelling: TunnellingDetector,
     /// Channels of the mesh forces.
@@ -115,7 +115,7 @@ pub struct RunMonitor {
     stopped: Option<(f64, f64)>,
     /// The method keeps its step.
     fixed: bool,
-    /// Events are located.
+    /// True if events are located.
     located: bool,
     /// Wall time of watching, which neither the cost of a run nor its bound of time contains.
     pub spent: Duration,
@@ -137,8 +137,7 @@ impl RunMonitor {
         }
     }
 
-    /// The same for a method with a fixed step or not, with events located or not: what is said of a failure is a way
-    /// out only of the plan that failed.
+    /// Adapts the advice in messages of failure to a plan: fixed step or tolerance, with or without event location.
     #[must_use]
     pub fn under(self, plan: &TimePlan<'_>) -> Self {
         RunMonitor {

@@ -21,7 +21,7 @@ use std::ops::Range;
 const PASSED: f64 = 0.1;
 /// Overlap without a force that no relief of the flanks explains, in modules.
 const UNSEEN: f64 = 0.03;
-/// The same over the typical deflection of the scene, for contacts that are soft.
+/// Overlap without a force that no relief explains, in typical deflections of the scene; it decides for soft contacts.
 const DEFLECTIONS: f64 = 4.0;
 /// A return point counts from this part of the typical deflection on.
 const GRAZE: f64 = 0.01;
@@ -86,7 +86,7 @@ pub struct TunnellingDetector {
     /// Names of the gears of each mesh.
     names: Vec<[String; 2]>,
     deflection: f64,
-    /// Mesh, time, overlap.
+    /// Mesh, time [s] and overlap [m] of the first contact in which teeth passed through each other.
     passed: Option<(usize, f64, f64)>,
     grazed: Option<(usize, f64, f64)>,
     /// Mesh, time and overlap where it was largest, beyond a tenth of the module.
@@ -225,7 +225,8 @@ impl TunnellingDetector {
         ))
     }
 
-    /// What was missed first; `rows` are times and channels of the run, `forces` the channels of its mesh forces.
+    /// Returns the first missed contact. `rows` are times and channels of the run, `forces` the channels of the mesh
+    /// forces.
     pub(super) fn finding<'a>(
         &self,
         rows: impl Iterator<Item = (&'a f64, &'a Vec<f64>)>,

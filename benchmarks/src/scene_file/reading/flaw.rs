@@ -1,10 +1,10 @@
-//! What serde finds wrong with a value, before and after it has a place in the file.
+//! Errors of deserialisation, with and without a place in the file.
 
 use super::super::error::SceneError;
 use serde::de;
 use std::fmt::{self, Display};
 
-/// What is wrong.
+/// An error in a value of the file.
 #[derive(Debug)]
 pub(super) enum Flaw {
     /// With its place: nothing is added on the way out.
@@ -17,7 +17,7 @@ pub(super) enum Flaw {
     UnknownWord(String, &'static [&'static str]),
     /// Another value than was expected.
     Expected(String),
-    /// In a sentence.
+    /// A message in a full sentence.
     Said(String),
 }
 

@@ -12,12 +12,12 @@ use crate::studies::{check, precision, stability, sweep};
 pub(crate) struct Table {
     /// Name of the struct that reads it.
     pub(crate) name: &'static str,
-    /// Key and meaning.
+    /// Each key with its meaning.
     pub(crate) keys: &'static [(&'static str, &'static str)],
 }
 
 impl Table {
-    /// What a key means.
+    /// The meaning of a key; empty for an unknown key.
     pub(super) fn meaning(&self, key: &str) -> &'static str {
         let found = self.keys.iter().find(|(k, _)| *k == key);
         found.map_or("", |(_, meaning)| meaning.trim_start())
@@ -109,7 +109,7 @@ macro_rules! keys {
         }
 
         impl $name {
-            /// Keys and meanings.
+            /// The keys of the table with their meanings.
             pub(crate) const TABLE: $crate::scene_file::reading::keys::Table =
                 $crate::scene_file::reading::keys::Table {
                     name: stringify!($name),

@@ -8,7 +8,7 @@ use std::ops::Range;
 use toml::Spanned;
 use toml::de::DeValue;
 
-/// What values are read against.
+/// The source and the names that values of the file may refer to.
 #[derive(Debug)]
 pub(super) struct Context<'d> {
     pub(super) source: &'d Source,
@@ -39,7 +39,7 @@ pub(super) struct Node<'d> {
 }
 
 impl<'d> Node<'d> {
-    /// The whole document.
+    /// The node of the whole document.
     pub(super) fn root(context: &'d Context<'d>, value: &'d DeValue<'d>) -> Self {
         Node {
             context,
@@ -219,7 +219,7 @@ impl<'d> Node<'d> {
     }
 }
 
-/// A finite number.
+/// Parses a finite number.
 pub(super) fn finite(value: &DeValue<'_>) -> Option<f64> {
     let x = match value {
         DeValue::Integer(i) => i64::from_str_radix(i.as_str(), i.radix()).ok()? as f64,

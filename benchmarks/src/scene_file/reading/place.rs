@@ -156,7 +156,7 @@ impl<'d> Place<'d> {
         format!("[{}]", self.path)
     }
 
-    /// Whether it is in the file.
+    /// True if the file contains this place.
     pub(crate) fn exists(&self) -> bool {
         self.document.spans.contains_key(&self.path)
     }

@@ -43,7 +43,7 @@ struct Alias {
     names: &'static [&'static str],
     /// Keys that a table has where the name means this.
     of: &'static [&'static str],
-    /// What to write, `#` in the place of the number.
+    /// The suggested text, with `#` in the place of the number.
     write: &'static str,
     /// The number over the one that was written.
     factor: f64,
@@ -93,7 +93,7 @@ const ALIASES: &[Alias] = &[
     alias(&["rho_kg_m3"], &["density_kg_m3"], "density_kg_m3 = #", 1.0),
 ];
 
-/// What to write for a name that is not the format's own, perhaps in another unit.
+/// The suggested text for a name that is not a key of the format, with the value converted from another unit.
 fn other_name(unknown: &str, value: Option<f64>, known: &[&str]) -> Option<String> {
     let factor = |name: &'static str| match name == unknown {
         true => Some(1.0),
@@ -114,7 +114,7 @@ fn number(x: f64) -> String {
     format!("{}", short.unwrap_or(x))
 }
 
-/// What gearbench does not do: beginnings of the keys that ask for it, and what to know. docs/limits.md says more.
+/// Unsupported features: beginnings of the keys that ask for them, and the advice. `docs/limits.md` has the details.
 const NOT_DONE: &[(&[&str], &str)] = &[
     (
         &["planet", "carrier", "sun", "annulus"],
@@ -153,7 +153,7 @@ const NOT_DONE: &[(&[&str], &str)] = &[
     ),
 ];
 
-/// What is not done, where a key asks for it.
+/// The advice on an unsupported feature, where a key asks for one.
 fn not_done(unknown: &str) -> Option<&'static str> {
     let asked = unknown.to_lowercase();
     let asks = |words: &&(&[&str], &str)| words.0.iter().any(|w| asked.starts_with(w));
@@ -234,7 +234,7 @@ fn listed<K: AsRef<str>>(known: &[K], joined: &str) -> String {
     }
 }
 
-/// What to write in place of an unknown key with a value, if that is a number.
+/// The help for an unknown key: a similar key, or the key with the converted number.
 pub(in super::super) fn help_for(
     unknown: &str,
     value: Option<f64>,
@@ -275,7 +275,7 @@ pub(in super::super) fn help_for(
 mod tests {
     use super::*;
 
-    /// What refusals point to is there, with all that they name.
+    /// The page of limits contains everything that refusals refer to.
     #[test]
     fn the_page_of_limits_has_what_is_refused() {
         let page = include_str!("../../../../docs/limits.md").to_lowercase();

@@ -34,9 +34,9 @@ macro_rules! limited {
 }
 
 limited! {
-    /// Above zero.
+    /// A number greater than zero.
     Positive, "more than 0", |x| x > 0.0;
-    /// Zero or above.
+    /// A number of zero or more.
     NotNegative, "zero or more", |x| x >= 0.0;
     /// A part of a whole, such as a tolerance.
     Share, "more than 0 and less than 1", |x| x > 0.0 && x < 1.0;
@@ -101,7 +101,7 @@ words_of_the_scene! {
 pub(crate) struct Distinct<T>(pub(crate) Vec<T>);
 
 impl Distinct<Label> {
-    /// The labels.
+    /// Converts the list to plain labels.
     pub(crate) fn labels(self) -> Vec<String> {
         self.0.into_iter().map(|l| l.0).collect()
     }

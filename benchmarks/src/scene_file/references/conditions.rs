@@ -1,4 +1,4 @@
-//! What differs from the scene where a reference was measured or computed, and the scene as of that reference.
+//! Conditions of a reference that differ from its scene, and the scene under these conditions.
 //!
 //! ```toml
 //! [[references]]
@@ -28,7 +28,7 @@ keys! {
     }
 }
 
-/// What differs at a gear.
+/// Conditions of one gear that differ from the scene.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ConditionsOfGear {
     /// Index of the gear.
@@ -39,7 +39,7 @@ pub struct ConditionsOfGear {
     pub load: Option<f64>,
 }
 
-/// What differs from the scene; nothing does where all is `None`.
+/// Conditions of a reference that differ from the scene; `None` means equal to the scene.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ReferenceConditions {
     /// Simulated time [s].
@@ -50,7 +50,7 @@ pub struct ReferenceConditions {
     pub path_coordinate: Option<f64>,
     /// Centre distance of the only mesh [m].
     pub centre_distance: Option<f64>,
-    /// What differs at gears, by their order.
+    /// Differing conditions of gears, in the order of the gears.
     pub gears: Vec<ConditionsOfGear>,
 }
 
@@ -214,7 +214,7 @@ impl ReferenceConditions {
         Ok(())
     }
 
-    /// The same as keys of a reference in a scene file, a line each.
+    /// The conditions as lines of a reference in a scene file.
     pub fn lines(&self, spec: &SceneSpec) -> Vec<String> {
         let mut lines = Vec::new();
         let mut add = |key: &str, x: Option<f64>| {
@@ -239,8 +239,8 @@ impl ReferenceConditions {
     }
 }
 
-/// What a run of a scene is of, by the keys of a scene: what `gearbench reference` states in its file, and what a scene is
-/// held against.
+/// The conditions of a run by the keys of a scene: `gearbench reference` writes them to its file, and they are compared
+/// with the scene when that file is read.
 pub fn stated(spec: &SceneSpec) -> Vec<(String, f64)> {
     let mut all = Vec::new();
     for g in &spec.gears {

@@ -17,9 +17,9 @@ const SAME: f64 = 1e-4;
 /// A reference with its data.
 #[derive(Clone, Debug)]
 pub struct Held {
-    /// What the scene says of it.
+    /// The entry of the scene.
     pub named: NamedReference,
-    /// Its histories.
+    /// The histories of the reference.
     pub data: Reference,
     /// The scene as of it: the same gears, models and studies at its speeds and loads, its distance, start and duration.
     pub scene: SceneFile,
@@ -223,7 +223,7 @@ impl SceneFile {
         Ok(data)
     }
 
-    /// What the data state of themselves and the scene has otherwise.
+    /// Returns the conditions stated in the data that differ from the scene.
     fn differs_from_stated(&self, of: &[(String, f64)]) -> Vec<String> {
         let own = stated(&self.spec);
         let differs = |(key, theirs): &(String, f64)| {
@@ -237,7 +237,7 @@ impl SceneFile {
 }
 
 impl Held {
-    /// Whether constants are fitted to it, or it is held out.
+    /// True if the reference is held out from fits and serves for validation only.
     pub fn is_held_out(&self) -> bool {
         self.named.role == Role::Validate
     }

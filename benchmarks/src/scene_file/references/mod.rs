@@ -119,7 +119,7 @@ enum DecimalWord {
     Comma,
 }
 
-/// What an identification does with a reference.
+/// Use of a reference in an identification.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Role {
@@ -137,7 +137,7 @@ pub enum DataOrigin {
     Stored(String),
     /// A table of the user, or one that `gearbench reference` wrote.
     Csv {
-        /// The file.
+        /// Path of the table.
         path: PathBuf,
         /// How it is read.
         request: Box<Request>,
@@ -157,9 +157,9 @@ pub struct NamedReference {
     pub origin: DataOrigin,
     /// Own error of the reference, where the scene states it [-].
     pub own_error: Option<f64>,
-    /// What an identification does with it.
+    /// Use of the reference in an identification.
     pub role: Role,
-    /// What differs from the scene.
+    /// Conditions that differ from the scene.
     pub conditions: ReferenceConditions,
     /// Where it stands in the scene file.
     pub(super) at: String,
@@ -188,13 +188,13 @@ impl NamedReference {
         inner.strip_suffix(']')?.parse().ok()
     }
 
-    /// Whether it is of the conditions of the scene itself.
+    /// True if the reference has the conditions of the scene itself.
     pub fn is_of_the_scene(&self) -> bool {
         self.conditions == ReferenceConditions::default()
     }
 }
 
-/// What references are read beside.
+/// Parts of the scene that its references are checked against.
 pub(super) struct Beside<'a> {
     pub spec: &'a SceneSpec,
     pub labels: &'a [&'a str],

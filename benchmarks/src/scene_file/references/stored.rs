@@ -122,7 +122,7 @@ fn gear(g: &GearSpec, of: Option<&GearData>, whole: &ImpactParameters, differs: 
     }
 }
 
-/// What gears and racks have in common.
+/// Compares the parameters that gears and racks share.
 fn common(g: &GearSpec, of: &ImpactParameters, helix_deg: f64, differs: &mut Differs) {
     let (module, width, pressure, helix) = match &g.body {
         Body::Gear(x) => {

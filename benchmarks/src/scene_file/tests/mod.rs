@@ -129,7 +129,7 @@ fn the_format_is_described() {
     assert_eq!(scene.models.len(), 1);
 }
 
-/// What a user sees, without colours and on wide lines.
+/// Renders an error as the user sees it, without colours and with wide lines.
 fn render(error: &SceneError) -> String {
     let mut text = String::new();
     GraphicalReportHandler::new_themed(GraphicalTheme::none())

@@ -1,12 +1,12 @@
-//! What is odd is said with its line and the unit that is probably meant, and nothing else is.
+//! Implausible values cause a warning with their line and the unit that is probably meant; plausible ones cause none.
 
 use super::super::SHIPPED;
 use super::{changed, parse, read, render};
 use crate::models::models;
 use gearbench_models::scene::Scene;
 
-/// What is said of the base scene with one piece of text replaced. Its wheel starts at rest under a load on the pinion,
-/// which is the subject of the tests of `motion`.
+/// Returns the warnings on the base scene with one piece of text replaced. Its wheel starts at rest under a load on the
+/// pinion, which is the subject of the tests of `motion`.
 fn said(from: &str, to: &str) -> Vec<String> {
     let all = read(from, to).odd;
     let all = all.iter().map(|odd| odd.told());

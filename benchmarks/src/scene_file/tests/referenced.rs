@@ -192,7 +192,7 @@ fn a_scene_stands_under_its_references() {
     assert_eq!(scene.held(false).unwrap().len(), 2);
 }
 
-/// What a table states of itself has to be so in the scene, as of that reference.
+/// Conditions that a table states must agree with the scene under the conditions of that reference.
 #[test]
 fn stated_conditions_are_held_against_the_scene() {
     let stating = format!("# gears.pinion.speed_rad_s = 60\n# gears.wheel.teeth = 30\n{PRESS}");
@@ -212,7 +212,7 @@ fn stated_conditions_are_held_against_the_scene() {
     assert_eq!(scene.unwrap().held(false).unwrap().len(), 1);
 }
 
-/// What is wrong with the keys is refused with the scene, at its line and with a way out.
+/// Wrong keys of a reference are refused with their line and a help.
 #[test]
 fn references_that_are_no_references_are_refused() {
     let one = |keys: &str| format!("reference = {{ csv = \"press.csv\", {keys} }}");
@@ -285,7 +285,7 @@ fn references_that_are_no_references_are_refused() {
     }
 }
 
-/// What is wrong with the file is refused at its own line and column, when a study asks for it.
+/// Errors in a table are refused with line and column of the table, when a study reads it.
 #[test]
 fn tables_that_are_none_are_refused_at_their_line() {
     for (table, words) in [

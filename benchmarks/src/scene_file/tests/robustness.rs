@@ -25,7 +25,7 @@ fn truncated_scenes() {
     }
 }
 
-/// What is put in place of others, between blanks.
+/// Text pieces that replace others, separated by blanks.
 const PIECES: &str = "\" [ ] { } = , nan -1 0 1e308 -1e-308 1e999 true [[ ]] é '' # . 0x7fffffffffffffff \
                       99999999999999999999 1979-05-27 [] {}";
 

@@ -19,7 +19,7 @@ use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-/// What decks and files for ParaView of this command have in them: the command of a deck, a comment in the other.
+/// Text that marks the files of this command: the command line in a deck, a comment in a file for ParaView.
 const MARK: &str = "gearbench mesh";
 
 /// A gear on its way to its files.
@@ -32,7 +32,7 @@ struct Meshed {
 }
 
 impl Meshed {
-    /// What the table says, for programs.
+    /// The row of the table of meshes as JSON.
     fn told(&self) -> Value {
         let (m, q) = (&self.mesh.mesh, mesh::quality(&self.mesh.mesh));
         json!({
@@ -134,7 +134,7 @@ pub(super) fn named(path: &Path, gear: Option<&str>) -> PathBuf {
     path.with_file_name(name)
 }
 
-/// Those with the name that was asked for.
+/// Returns the members of a list with the requested name, or all without one.
 pub(super) fn chosen<T>(
     all: Vec<T>,
     wanted: Option<&str>,

@@ -50,19 +50,19 @@ struct Job {
     sector: bool,
     material: Material,
     mounting: Mounting,
-    /// What was recognised of it, where no sets name its flanks.
+    /// Recognised geometry, where no sets name the flanks.
     found: Option<RecognisedBody>,
-    /// What a reader should know of the input.
+    /// Notes on the input, for the summary.
     notes: Vec<String>,
 }
 
-/// A reduced gear.
+/// A reduced gear: basis, properties and computing time.
 struct Done {
     basis: Arc<Basis>,
     meta: Meta,
     /// It had been computed before.
     hit: bool,
-    /// [s].
+    /// Time of the reduction [s].
     seconds: f64,
 }
 
@@ -402,7 +402,7 @@ fn reduce(args: &Arguments, job: &Job) -> Result<Done, Refusal> {
     })
 }
 
-/// What the hub does, in words.
+/// Describes the boundary condition of the hub.
 fn hub(motion: Motion, free: bool) -> &'static str {
     match (motion, free) {
         (Motion::Turn, true) => "free to rotate",

@@ -1,4 +1,4 @@
-//! What `reduce` tells of a gear.
+//! Summary of a reduced gear, as text and as JSON.
 
 use super::found::{digits, found_of, of_found};
 use super::{Done, Job, hub};
@@ -70,7 +70,7 @@ pub(super) fn tell(job: &Job, done: &Done) {
     say(&line("time", &format!("{:.2} s{from}", done.seconds)));
 }
 
-/// The same for programs.
+/// The summary of a reduced gear as JSON.
 pub(super) fn told(job: &Job, done: &Done) -> Value {
     let (basis, meta) = (&*done.basis, &done.meta);
     let shown = Toothing::of(basis, meta.motion, meta.teeth);

@@ -7,7 +7,7 @@ use gearbench_models::scene::{Channel, OfGear};
 use gearbench_models::spec::{Body, SceneSpec};
 use gearbench_reports::series::TimeSeries;
 
-/// What the comments say.
+/// Contents of the comment lines at the head of the file.
 pub(super) struct Header<'a> {
     pub title: &'a str,
     pub command: &'a str,

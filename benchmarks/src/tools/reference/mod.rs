@@ -27,7 +27,7 @@ use std::time::Duration;
 
 /// Tolerance where neither the user nor the model says one.
 const RTOL: f64 = 1e-10;
-/// What the second run is finer by: half the step, a tenth of the tolerance.
+/// Step and tolerance of the second run relative to the first.
 const FINER: [f64; 2] = [0.5, 0.1];
 
 /// Runs the model, writes the file and tells the lines of the scene.
@@ -145,7 +145,7 @@ fn bad(why: impl Into<String>, help: impl Into<String>) -> Refusal {
     SceneError::plain(why, help).into()
 }
 
-/// What the command line asks for beside the scene.
+/// The conditions that the command line changes relative to the scene.
 fn conditions(args: &Reference, scene: &SceneFile) -> Result<ReferenceConditions, Refusal> {
     let mut found = ReferenceConditions {
         duration: args.duration,
@@ -181,7 +181,7 @@ fn conditions(args: &Reference, scene: &SceneFile) -> Result<ReferenceConditions
     Ok(found)
 }
 
-/// What the scene is to call the reference: a model has its label already.
+/// The name of the reference in the scene: as given, else the stem of the file, with a suffix if a model has that label.
 fn name(args: &Reference, scene: &SceneFile) -> String {
     let stem = args
         .out
@@ -195,7 +195,7 @@ fn name(args: &Reference, scene: &SceneFile) -> String {
     args.name.clone().unwrap_or(usual)
 }
 
-/// Whether the scene has a reference of that name.
+/// True if the scene already has a reference with that name.
 fn named(args: &Reference, scene: &SceneFile) -> bool {
     let name = name(args, scene);
     scene.references.iter().any(|r| r.name == name)
