@@ -10,7 +10,7 @@ use miette::{Diagnostic, Report};
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 
-/// Keys of a record that an answer leaves out: histories, which are in the record or in files.
+/// Keys of a record that the JSON object leaves out: histories, which are in the record or in its files.
 const LONG: [&str; 4] = ["series", "further", "histories", "contacts"];
 
 /// The result of a command: exit code and the keys of its JSON object.
@@ -50,7 +50,7 @@ impl Answer {
         self
     }
 
-    /// The object for programs.
+    /// The JSON object of a successful command.
     pub(super) fn json(self, command: &str, warnings: Vec<String>) -> Value {
         let mut all = head(command, self.exit, warnings);
         all.extend(self.found);
@@ -58,7 +58,7 @@ impl Answer {
     }
 }
 
-/// The object for programs of a command that was refused or failed.
+/// The JSON object of a command that was refused or failed.
 pub(super) fn refusal(command: &str, exit: Exit, report: &Report, warnings: Vec<String>) -> Value {
     let mut error = Map::new();
     error.insert("message".into(), report.to_string().into());
@@ -90,12 +90,12 @@ fn place(of: &dyn Diagnostic) -> Option<(String, usize)> {
     Some((source.name()?.to_owned(), source.line() + 1))
 }
 
-/// Data of the program as JSON: its types all have that form.
+/// Converts data of the program to JSON, which cannot fail for its types.
 fn value(of: impl Serialize) -> Value {
     serde_json::to_value(of).unwrap_or(Value::Null)
 }
 
-/// Takes what is long out of an object and all that it holds.
+/// Removes the histories from an object and from all objects within it.
 fn without_histories(value: &mut Value) {
     match value {
         Value::Object(map) => {
@@ -115,7 +115,7 @@ mod tests {
     use gearbench_reports::record::{ReferenceSeries, Run};
     use gearbench_reports::{ContactSnapshot, Histories, TimeSeries};
 
-    /// However long the histories of a study are, its answer is not.
+    /// The JSON object of a study stays small, however long the histories are.
     #[test]
     fn an_answer_has_no_histories() {
         let mut series = TimeSeries::default();

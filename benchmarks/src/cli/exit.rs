@@ -1,4 +1,4 @@
-//! How the command can end: the one table of exit codes, for the terminal, `--help`, `--json` and the book.
+//! Exit codes of the command: one table for the terminal, `--help`, `--json` and the book.
 
 use crate::experiment::interruption;
 use gearbench_reports::Study;
@@ -6,23 +6,23 @@ use gearbench_reports::comparison::Kind;
 use gearbench_reports::record::{Part, Results, Run, Status};
 use std::process::ExitCode;
 
-/// How the command ends.
+/// Exit status of the command.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Exit {
     /// The command produced its result.
     Done,
-    /// A result is there and falls short.
+    /// The result exists, but does not meet a requirement.
     FellShort,
-    /// The input, an argument or a place to write to is wrong.
+    /// The input, an argument or an output path is wrong.
     BadInput,
-    /// Something could not be computed.
+    /// A computation failed.
     FailedRun,
-    /// Stopped by a signal.
+    /// The command was stopped by a signal.
     Interrupted,
 }
 
 impl Exit {
-    /// All, as in the table.
+    /// All exit codes, in the order of the table.
     pub const ALL: [Exit; 5] = [
         Exit::Done,
         Exit::FellShort,
@@ -31,12 +31,12 @@ impl Exit {
         Exit::Interrupted,
     ];
 
-    /// The rule of what passes, for the help.
+    /// Rule for results that were not judged, for the help.
     pub const RULE: &str = "\
 What was not judged has not passed: under a scene's `tolerance` a run that could not be compared
 ends with 1, as one beyond the tolerance does; `except` names models that are left out of that.";
 
-    /// The number that a shell sees.
+    /// The number of the exit code.
     pub fn code(self) -> u8 {
         match self {
             Exit::Done => 0,
@@ -62,7 +62,7 @@ ends with 1, as one beyond the tolerance does; `except` names models that are le
         }
     }
 
-    /// The table, a line for each.
+    /// The table of exit codes with their meanings, one line each.
     pub fn table() -> String {
         let lines = Exit::ALL.map(|e| format!("  {:<5}{}", e.code(), e.meaning()));
         lines.join("\n")

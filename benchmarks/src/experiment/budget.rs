@@ -1,4 +1,4 @@
-//! The processor time that a whole study may take.
+//! Budget of processor time for a whole study.
 //!
 //! All threads of the process count, set-up included: meshes and modes are computed on several threads. A study asks
 //! before each piece whether there is time left; what it does not try is named in its record, and its answer is of what
@@ -7,7 +7,7 @@
 use gearbench_integrators::clock::processor_time_of_all_threads;
 use std::time::{Duration, Instant};
 
-/// The setting that names what a study did not try.
+/// Name of the setting that lists omitted work of a study.
 pub const NOT_TRIED: &str = "not tried within the budget";
 
 /// A clock of the processor time of all threads; of wall time where the system reports no processor time.
@@ -18,7 +18,7 @@ pub struct ProcessorClock {
 }
 
 impl ProcessorClock {
-    /// A clock that starts now.
+    /// Starts a clock.
     pub fn start() -> ProcessorClock {
         ProcessorClock {
             processor: processor_time_of_all_threads(),
@@ -26,7 +26,7 @@ impl ProcessorClock {
         }
     }
 
-    /// Time since the start.
+    /// Time since the start of the clock.
     pub fn elapsed(&self) -> Duration {
         match (self.processor, processor_time_of_all_threads()) {
             (Some(from), Some(now)) => now.saturating_sub(from),
@@ -43,7 +43,7 @@ pub struct Budget {
 }
 
 impl Budget {
-    /// A bound that begins now.
+    /// A bound that counts from now.
     pub fn new(limit: Duration) -> Budget {
         Budget {
             limit,
@@ -56,7 +56,7 @@ impl Budget {
         Budget::new(Duration::MAX)
     }
 
-    /// Time that is left.
+    /// Remaining time; zero when the budget is spent.
     pub fn left(&self) -> Duration {
         self.limit.saturating_sub(self.clock.elapsed())
     }
@@ -66,7 +66,7 @@ impl Budget {
         self.left().is_zero()
     }
 
-    /// The bound, in words.
+    /// The budget in words.
     pub fn described(&self) -> String {
         format!(
             "{} s of processor time (--budget)",

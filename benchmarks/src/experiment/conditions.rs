@@ -16,9 +16,9 @@ use std::time::Duration;
 pub struct Conditions<'a> {
     /// Name of the scene.
     pub name: String,
-    /// One line for the reader.
+    /// Title of the study in one line.
     pub title: String,
-    /// Command that makes the record again.
+    /// Command line that reproduces the record.
     pub command: String,
     /// Name and value of each setting that the report lists.
     pub settings: Vec<(String, String)>,
@@ -26,27 +26,27 @@ pub struct Conditions<'a> {
     pub models: &'a [Model],
     /// End of the simulated time [s].
     pub duration: f64,
-    /// Samples of the histories over the duration.
+    /// Number of samples of the histories over the duration.
     pub samples: usize,
-    /// Record torques, and transmission errors of further meshes ([`Conditions::held_against`]).
+    /// True if torques and further transmission errors are recorded ([`Conditions::held_against`]).
     pub torques: bool,
     /// True if contact events are located.
     pub events: bool,
     /// Number of timed repeats of each run.
     pub repeats: u32,
-    /// Bound on the processor time of one integration, recording excluded.
+    /// Bound on the processor time of one integration, without recording.
     pub timeout: Duration,
-    /// Bound on its steps.
+    /// Bound on the number of steps of one integration.
     pub max_steps: u64,
 }
 
-/// Told the runs done, all that are known of, and the name of the next.
+/// Progress callback: number of runs done, their total number so far, and the name of the next run.
 pub type Progress<'a> = &'a (dyn Fn(usize, usize, &str) + Sync);
 
 /// Progress callback without output.
 pub fn silent(_: usize, _: usize, _: &str) {}
 
-/// Even times from zero to an end [s].
+/// Equidistant times from zero to an end [s].
 pub fn even(samples: usize, end: f64) -> Vec<f64> {
     let n = samples.max(2) - 1;
     (0..=n).map(|i| end * i as f64 / n as f64).collect()
@@ -86,12 +86,12 @@ impl Conditions<'_> {
         self
     }
 
-    /// Even times of the histories [s].
+    /// Equidistant sampling times of the histories [s].
     pub fn grid(&self) -> Vec<f64> {
         even(self.samples, self.duration)
     }
 
-    /// A run under these conditions.
+    /// The job of one run under these conditions.
     pub fn job<'j>(
         &'j self,
         (scene, modelling): (&'j SceneSpec, &'j Modelling),
@@ -117,7 +117,7 @@ impl Conditions<'_> {
         }
     }
 
-    /// The record of a study with its own part, so far without what it found.
+    /// The record of a study with its own part, without results yet.
     pub fn record(&self, part: Part) -> Results {
         Results {
             header: machine::header(&self.name, &self.title, &self.command),

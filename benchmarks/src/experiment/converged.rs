@@ -1,4 +1,4 @@
-//! A model's own converged solution: the run that the error of integration of its other runs is measured against.
+//! The converged solution of a model: a run against which the integration error of its other runs is measured.
 //!
 //! Candidates are tried from the finest on, and the first that reaches the end within its bound of work is taken. Work is
 //! steps times coordinates, and never time: the solution, and with it every error against it, is the same on every
@@ -23,22 +23,22 @@ use serde::{Deserialize, Serialize};
 /// Tolerances of the converged solution, and the steps times coordinates that each may take: a hundredth of the
 /// tightest in use where it takes seconds; long stiff scenes get the last.
 const TIGHT: [(f64, u64); 3] = [(1e-12, 4_000_000), (1e-10, 4_000_000), (1e-8, 8_000_000)];
-/// Tolerance of the method that is exact for modes where the study asks for no finer one.
+/// Relative tolerance of the method that is exact for modes, where the study uses no tighter one.
 const EXACT_RTOL: f64 = 1e-4;
-/// Steps that a solution by this method may take.
+/// Bound on the number of steps of a solution by this method.
 const EXACT_STEPS: u64 = 1_000_000;
-/// Share of the error of a run that its converged solution may have itself.
+/// Largest error of a converged solution relative to the error of the run that it judges.
 const FINER: f64 = 0.1;
-/// Coordinates up to which a converged solution is computed: beyond, it costs more than all the runs.
+/// Largest number of coordinates for which a converged solution is computed: beyond, it costs more than all the runs.
 pub const SMALL: usize = 2000;
 
-/// A candidate, and the attempted steps that it may take.
+/// A candidate method and its bound on attempted steps.
 pub type Candidate = (Scheme, u64);
 
-/// A model's own converged solution.
+/// The converged solution of a model.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Converged {
-    /// How it was computed.
+    /// Method, step or tolerance of the solution.
     pub by: OwnSolution,
     /// The contact force and other channels of the solution over time.
     pub series: TimeSeries,
@@ -74,7 +74,7 @@ impl Converged {
     }
 }
 
-/// How converged solutions are computed, for a reader.
+/// Describes in words how converged solutions are computed.
 pub fn described() -> String {
     let [first, others @ ..] = TIGHT.map(|(rtol, _)| format!("{rtol:.0e}"));
     format!(
@@ -85,19 +85,18 @@ pub fn described() -> String {
     )
 }
 
-/// The method that is exact for modes, under a tolerance.
+/// The method that is exact for modes, at a relative tolerance.
 pub fn exact_for_modes(rtol: f64) -> Scheme {
     TRIGONOMETRIC.at_tolerance(rtol)
 }
 
-/// Candidates for gears without modes and so many coordinates.
+/// Candidates for gears without modes, by number of coordinates.
 fn tight(coordinates: usize) -> impl Iterator<Item = Candidate> {
     let steps = move |work: u64| work / coordinates.max(1) as u64;
     (TIGHT.into_iter()).map(move |(rtol, work)| (DOPRI5.at_tolerance(rtol), steps(work)))
 }
 
-/// Candidates for a model whose `row` shows its coordinates and modes, where the study runs it under the methods
-/// `asked`.
+/// Candidates for the model of a `row` of the record, given the methods of the study.
 pub fn candidates(row: &Run, asked: &[Scheme]) -> Vec<Candidate> {
     let exact = |s: &&Scheme| s.method.id() == TRIGONOMETRIC.id();
     let least = |all: &mut dyn Iterator<Item = f64>| all.min_by(f64::total_cmp);
@@ -129,7 +128,7 @@ pub fn candidates(row: &Run, asked: &[Scheme]) -> Vec<Candidate> {
     all
 }
 
-/// The converged solution of the model that a `row` of the record is of.
+/// Computes the converged solution of the model of a `row` of the record.
 ///
 /// # Errors
 /// [`RunError`] where the model cannot be built, or the user interrupts.

@@ -11,11 +11,11 @@ use gearbench_models::scene::{ContactExtent, ContactForce, Scene};
 use gearbench_models::spec::{Body, PointRule, SceneSpec, mesh_layout};
 use gearbench_reports::record::{DeformedSection, FlankGrid, FlankLoad, FlankPatch, FlankValue};
 
-/// Cells over the profile, and over the width at most, of what a run leaves on a flank.
+/// Cells over the profile, and largest number of cells over the width, of the maximum over a run.
 const CELLS: [usize; 2] = [32, 64];
-/// Patches of a flank at the peak that are kept at most.
+/// Largest number of stored patches of a flank at the largest force.
 const MOST_PATCHES: usize = 4000;
-/// Heights closer than this part of the width are those of one column of points.
+/// Heights that differ by less than this share of the width belong to one column of points.
 const SAME_HEIGHT: f64 = 1e-5;
 
 /// Geometry of the flanks of a mesh, independent of the contacts.
@@ -32,7 +32,7 @@ struct Borne {
     patches: Vec<FlankPatch>,
 }
 
-/// Loads on the flanks of all meshes at the state of the largest force, and the greatest of some instants.
+/// Contact loads on the flanks of all meshes at the largest force, and their maxima over several instants.
 pub fn flank_loads(
     job: &Job<'_>,
     scene: &mut Scene,
@@ -91,7 +91,7 @@ pub fn flank_loads(
     all
 }
 
-/// Contacts of a mesh at a state, by side.
+/// Contacts of a mesh at a state, by side of the tooth.
 fn at(scene: &mut Scene, state: &State, mesh: usize, flank: &Flank<'_>) -> Vec<Borne> {
     let forces = scene.contact_forces(state.at());
     let frame = scene.hub_frame(flank.index, state.at());
@@ -241,7 +241,7 @@ fn side_name(side: Side) -> &'static str {
     }
 }
 
-/// The greatest values on a flank.
+/// The greatest values on a flank, by cell.
 struct Grid {
     roll: [f64; 2],
     width: f64,
@@ -250,7 +250,7 @@ struct Grid {
 }
 
 impl Grid {
-    /// As many columns as the contact has.
+    /// Creates a grid with one column for each column of contact points.
     fn of(flank: &Flank<'_>, patches: &[FlankPatch]) -> Self {
         let across = patches.iter().map(|p| p.size_m[1]);
         let finest = across.fold(flank.face_width, f64::min);

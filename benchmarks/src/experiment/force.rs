@@ -1,5 +1,5 @@
-//! The force of the first mesh between events: what the metrics of a run are taken from
-//! ([`gearbench_reports::force`] says why).
+//! Contact force of the first mesh as a piecewise polynomial between events, from which the metrics of a run are
+//! computed ([`gearbench_reports::force`] has the reasons).
 //!
 //! A step is looked at in the nodes of its pieces. Where events are located, steps far shorter than a piece share one, so
 //! that what is kept follows the time in contact over the characteristic time of the scene and not the number of steps;
@@ -24,16 +24,16 @@ const LOBATTO: [f64; MOST_NODES] = [
     0.882_527_661_964_732_3,
     1.0,
 ];
-/// Nodes of a parabola.
+/// Nodes of a parabola on [0, 1].
 const PARABOLA: [f64; 3] = [0.0, 0.5, 1.0];
-/// Nodes of a line.
+/// Nodes of a line on [0, 1].
 const LINE: [f64; 2] = [0.0, 1.0];
-/// Looks into one step at most.
+/// Largest number of samples within one step.
 const MOST_LOOKS: f64 = 25.0;
-/// Nodes closer than this part of a piece would make its polynomial swing by their rounding.
+/// Least distance of nodes within a piece: closer nodes amplify rounding errors of the polynomial.
 const CLOSEST: f64 = 0.02;
 
-/// How finely the force is looked at.
+/// Sampling rule of the force.
 #[derive(Clone, Copy, Debug)]
 struct Rule {
     nodes: &'static [f64],
@@ -64,25 +64,25 @@ pub fn is_located(s: &State, sys: &dyn SecondOrderSystem) -> bool {
     sys.layout().event_functions > 0 && s.discrete.first().is_some_and(|d| *d != 0.0)
 }
 
-/// Force and its part in the transverse plane at a time [s, N, N].
+/// A sample of the contact force: time [s], normal force [N], part in the transverse plane [N].
 pub type Sample = [f64; 3];
 
-/// Records the force of a run.
+/// Records the contact force of the first mesh during a run.
 #[derive(Clone, Debug, Default)]
 pub struct ForceRecorder {
     /// The contact force recorded so far.
     pub history: ForceHistory,
-    /// Impulse of the transverse part of the force [N s].
+    /// Impulse of the transverse part of the force so far [N s].
     pub impulse: f64,
     /// Samples since the last piece ended.
     group: Vec<Sample>,
-    /// The end of the last step.
+    /// State at the end of the last step.
     end: State,
-    /// Looks into one part of the present step, and those that are left of the whole.
+    /// Samples within one part of the present step, and those left of the whole step.
     interval: usize,
     left: usize,
     rule: Option<Rule>,
-    /// Jumps that no event tells of are looked for within steps.
+    /// True if jumps without an event are searched within steps.
     finely: bool,
     nodes: Vec<(f64, f64)>,
 }
@@ -159,7 +159,7 @@ impl ForceRecorder {
         }
     }
 
-    /// Takes the force at the next of these times.
+    /// Records the force at the next of these times.
     pub fn take(&mut self, sys: &dyn SecondOrderSystem, sample: Sample) {
         if self.group.last().is_some_and(|s| s[0] >= sample[0]) {
             return;
@@ -177,7 +177,7 @@ impl ForceRecorder {
         }
     }
 
-    /// Ends the piece at the last sample, which the next one begins with.
+    /// Ends the piece at the last sample, which is the first of the next piece.
     pub fn close(&mut self) {
         let (Some(rule), &[.., _, last]) = (self.rule, &self.group[..]) else {
             return;

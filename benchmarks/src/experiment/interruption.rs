@@ -10,12 +10,12 @@ use std::sync::Arc;
 use std::sync::LazyLock;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Exit code of a program that was interrupted.
+/// Exit code of an interrupted program.
 pub const CODE: u8 = 130;
 
-/// The program was asked to end.
+/// True once the program was asked to end.
 static REQUESTED: LazyLock<Arc<AtomicBool>> = LazyLock::new(Arc::default);
-/// The next signal ends the program at once.
+/// True if the next signal ends the program at once.
 static AT_ONCE: LazyLock<Arc<AtomicBool>> = LazyLock::new(|| Arc::new(AtomicBool::new(true)));
 
 /// True once a signal asked the program to end.
@@ -28,14 +28,14 @@ pub fn flag() -> &'static AtomicBool {
     &REQUESTED
 }
 
-/// Lets the first signal from here on end the program in good order.
+/// Defers signals: the first one sets a flag instead of ending the program.
 pub fn defer() {
     if !requested() {
         AT_ONCE.store(false, Ordering::Relaxed);
     }
 }
 
-/// Catches the signals from here on.
+/// Installs the signal handlers.
 ///
 /// # Errors
 /// When the system refuses.

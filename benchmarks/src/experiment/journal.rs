@@ -19,11 +19,11 @@ use std::path::{Path, PathBuf};
 
 /// Name of the journal in the folder of a study.
 pub const JOURNAL: &str = "journal.jsonl";
-/// Version of its format.
+/// Version of the journal format.
 const VERSION: u32 = 3;
-/// Bytes of the first line, at most.
+/// Largest length of the first line [bytes].
 const LONGEST_HEADER: u64 = 1 << 16;
-/// How a journal begins, of whatever version.
+/// First bytes of a journal of any version.
 const BEGIN: &[u8] = b"{\"journal\":";
 
 /// The study that a journal or a record belongs to: what distinguishes it from others that would use the same folder.
@@ -42,9 +42,9 @@ pub struct Subject {
 struct Header {
     /// Version of the format.
     journal: u32,
-    /// The program that wrote it.
+    /// Version of the program that wrote the journal.
     program: String,
-    /// The study that the pieces are of.
+    /// The study that the pieces belong to.
     #[serde(default)]
     subject: Subject,
 }
@@ -111,7 +111,7 @@ fn sum(key: &str, result: &RawValue) -> String {
     hash.to_string()
 }
 
-/// Where the line of a finished piece is; results are read from there when they are asked for.
+/// Place of the line of a finished piece in the file; results are read when they are needed.
 #[derive(Clone, Copy, Debug)]
 struct Place {
     line: usize,
@@ -119,7 +119,7 @@ struct Place {
     length: usize,
 }
 
-/// Why a journal cannot be used.
+/// Reason why a journal cannot be used.
 #[derive(Debug, thiserror::Error)]
 pub enum JournalError {
     /// The file cannot be read or written.
@@ -130,7 +130,7 @@ pub enum JournalError {
         /// The error of the operating system.
         source: std::io::Error,
     },
-    /// A line before a sound one is damaged.
+    /// A line before an intact one is damaged.
     #[error(
         "{}:{line}: the line is damaged ({reason}); repeat all runs with --fresh",
         path.display()
@@ -138,7 +138,7 @@ pub enum JournalError {
     Damaged {
         /// Path of the journal.
         path: PathBuf,
-        /// The line, from 1.
+        /// Number of the line, from 1.
         line: usize,
         /// Why the line cannot be read.
         reason: String,
@@ -154,7 +154,7 @@ pub enum JournalError {
         /// The kind of file found at the path.
         found: &'static str,
     },
-    /// It has finished pieces of another study.
+    /// The journal contains finished pieces of another study.
     #[error(
         "{}: {pieces} finished pieces of another, interrupted study ({}); name another folder with --out, continue that \
          study, or discard its pieces with --fresh",
@@ -163,14 +163,14 @@ pub enum JournalError {
     Other {
         /// Path of the journal.
         path: PathBuf,
-        /// Number of its pieces.
+        /// Number of finished pieces.
         pieces: usize,
         /// The study that the pieces belong to.
         subject: Subject,
     },
 }
 
-/// A study in words.
+/// Describes a study in words.
 fn of(subject: &Subject) -> String {
     let models = subject.models.as_ref();
     let models = models.map_or_else(String::new, |m| format!(", models {m}"));
@@ -295,7 +295,7 @@ impl Journal {
         }
     }
 
-    /// Takes note of the line that follows what is known.
+    /// Registers the line that follows the last known one.
     fn keep(&mut self, key: String, length: usize) {
         self.lines += 1;
         let place = Place {
@@ -314,7 +314,7 @@ impl Journal {
         }
     }
 
-    /// Appends a line and returns its length. One that cannot be written whole is taken back.
+    /// Appends a line and returns its length. An incomplete line is removed again.
     fn write(&mut self, line: &impl Serialize) -> Result<usize, JournalError> {
         let mut text = serde_json::to_string(line).map_err(|e| self.io(e.into()))?;
         text.push('\n');
@@ -342,7 +342,7 @@ impl Journal {
         Ok(())
     }
 
-    /// A result by its name.
+    /// Reads a result by its key.
     ///
     /// # Errors
     /// [`JournalError::Damaged`] when the line is not the one that was read at the start, or its result none of this type,

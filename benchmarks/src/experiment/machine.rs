@@ -52,7 +52,7 @@ pub fn cpu_time() -> Option<f64> {
     processor_time().map(|t| t.as_secs_f64())
 }
 
-/// Now, in UTC, as RFC 3339 to the second.
+/// The present time in UTC, as RFC 3339 to the second.
 pub fn now() -> String {
     let now = jiff::Timestamp::now();
     now.round(jiff::Unit::Second).unwrap_or(now).to_string()

@@ -1,4 +1,4 @@
-//! Parameters of a run for its record.
+//! Model and contact parameters of a run for its record.
 
 use gearbench_models::spec::{
     ContactSpec, LocalContact, Modelling, PointContact, PointRule, SceneSpec,

@@ -16,16 +16,16 @@ use gearbench_reports::record::{
     MemberPath, MeshPath, PlanetShare, ShaftPath, Sharing, TorquePaths,
 };
 
-/// Part of a run before means are taken.
+/// Share of the duration before means are taken.
 const ONSET: f64 = 0.5;
-/// Force below this part of the greatest counts as none: shares of nothing are not told.
+/// Forces below this share of the greatest count as zero: load shares of zero are undefined.
 const NOTHING: f64 = 1e-3;
 
 /// Histories on the grid.
 struct Grid<'a> {
     scene: &'a Scene,
     history: &'a History,
-    /// Rows of the history, and the first of them that means take.
+    /// Rows of the history at the sampling times, and the first one that means include.
     rows: Vec<usize>,
     from: usize,
 }
@@ -35,14 +35,14 @@ impl Grid<'_> {
         self.history.time[self.rows[i]]
     }
 
-    /// A channel; zeros where the scene has none.
+    /// Values of a channel at the sampling times; zeros if the scene does not have it.
     fn column(&self, channel: Channel) -> Vec<f64> {
         let place = self.scene.channel(channel);
         let value = |row: &usize| place.map_or(0.0, |c| self.history.rows[*row][c]);
         self.rows.iter().map(value).collect()
     }
 
-    /// Mean over time from the onset on.
+    /// Mean over the time from the onset on.
     fn mean(&self, value: impl Fn(usize) -> f64) -> f64 {
         self.mean_within([self.from, self.rows.len() - 1], value)
     }
