@@ -1,4 +1,4 @@
-//! The library behind the command `gearbench`: scenes, studies, tools.
+//! Library of the command-line program `gearbench`: scenes, studies and tools.
 //!
 //! | room | owns |
 //! |---|---|

@@ -10,9 +10,9 @@ use crate::instance::{Done, Instance, Kind, Known, fail};
 use gearbench_integrators::system::Events;
 use gearbench_integrators::{SecondOrderSystem, State};
 
-/// A time ahead at which falling functions are told from rising ones, over the characteristic one.
+/// Time ahead at which the sign of the slope of event functions is determined, relative to the characteristic time.
 const AHEAD: f64 = 1e-6;
-/// Rounds of switches at one event.
+/// Largest number of successive switches at one event.
 const MOST_ROUNDS: usize = 50;
 
 /// Result of an event update.
@@ -20,7 +20,7 @@ const MOST_ROUNDS: usize = 50;
 pub struct Update {
     /// True if the continuous states jumped.
     pub moved: bool,
-    /// The next time of the host at which a load has a breakpoint [s].
+    /// Next time of the host at which a load has a breakpoint [s].
     pub next: Option<f64>,
 }
 
@@ -133,7 +133,7 @@ impl Instance {
         }
     }
 
-    /// Switches what fell, and hands over what moved on.
+    /// Handles an event: switches the event functions that fall through zero until none does, then commits the state.
     ///
     /// # Errors
     /// Of an instance of another kind, and where branches chatter.
@@ -169,7 +169,7 @@ impl Instance {
         })
     }
 
-    /// The host completed a step; whether it has to enter an event.
+    /// Notes a completed step of the host; returns true if the host must enter event mode.
     ///
     /// # Errors
     /// Of an instance of another kind.
@@ -189,7 +189,7 @@ impl Instance {
         Ok(false)
     }
 
-    /// Event functions that are not positive and fall.
+    /// Indices of event functions that are not positive and fall.
     fn falling(&mut self) -> Vec<usize> {
         let here = self.watched().to_vec();
         if here.iter().all(|z| *z > 0.0) {
@@ -212,7 +212,7 @@ impl Instance {
         (0..here.len()).filter(falls).collect()
     }
 
-    /// Derivatives of coordinates and velocities.
+    /// Time derivatives of coordinates and velocities.
     pub(crate) fn rates(&mut self) -> &[f64] {
         self.settle();
         let (scene, state) = (&mut self.coupled.scene, &self.memory.state);

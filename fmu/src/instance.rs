@@ -1,4 +1,4 @@
-//! An instance of an FMU: a scene, where it is, what its host set.
+//! An instance of an FMU: scene, state and inputs of the host.
 //!
 //! **Inputs** act through the scene's own loads and prescribed motions. They hold their values over a communication step;
 //! a hub that the host moves goes on at its speed. With the parameter `interpolate` loads run linearly, and motions along
@@ -21,21 +21,22 @@ use gearbench_models::spec::Profile;
 use std::fmt;
 use std::path::Path;
 
-/// A place or speed of a moved hub that differs by more than this share, at least of 1 rad or m, has jumped.
+/// Relative difference above which the displacement or speed of a moved hub has jumped; relative to at least 1 rad or
+/// m.
 const JUMP: f64 = 1e-12;
-/// The time that a host names may be off by this share of its step.
+/// Largest difference between the time that a host names and the time of the instance, relative to its step.
 const OFF_TIME: f64 = 1e-6;
 
-/// How an instance is used.
+/// Type of an instance: co-simulation or model exchange.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// Co-simulation: the instance integrates its states itself.
     CoSimulation,
-    /// Its host integrates it.
+    /// Model exchange: the host integrates the states.
     ModelExchange,
 }
 
-/// Why a call failed.
+/// Message of a failed call.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Failure(pub String);
 
@@ -68,25 +69,25 @@ enum Phase {
     Terminated,
 }
 
-/// All that a step depends on beside the method.
+/// All data that a step depends on, apart from the integration method.
 #[derive(Clone, Debug)]
 pub(crate) struct Memory {
     phase: Phase,
-    /// In the time of the scene.
+    /// State of the scene, in the time of the scene.
     pub(crate) state: State,
-    /// Time of the host at the start of the scene [s].
+    /// Time of the host at time zero of the scene [s].
     shift: f64,
-    /// Time of the host beyond which it does not step, where it named one [s].
+    /// Stop time of the host, if it defined one [s].
     stop: Option<f64>,
     given: Vec<Given>,
     interpolate: bool,
     /// Loads and prescribed motions that act in the scene, by port.
     applied: Vec<Profile>,
-    /// The host set inputs that do not act yet.
+    /// True if the host set inputs that are not applied yet.
     pub(crate) stale: bool,
-    /// Inputs changed since the method ran.
+    /// True if inputs changed since the last step of the method.
     changed: bool,
-    /// The discrete state belongs to the state.
+    /// True if the discrete state is consistent with the continuous state.
     begun: bool,
     /// True if the integration method has run since the last reset.
     ran: bool,
@@ -157,7 +158,7 @@ impl Instance {
         self.apply_all();
     }
 
-    /// How it is used.
+    /// The type of the instance.
     pub fn kind(&self) -> Kind {
         self.kind
     }
@@ -232,7 +233,7 @@ impl Instance {
         self.memory.state.t + self.memory.shift
     }
 
-    /// A time of the host in that of the scene.
+    /// Converts a time of the host to a time of the scene [s].
     pub(crate) fn in_scene(&self, time: f64) -> f64 {
         time - self.memory.shift
     }
@@ -306,7 +307,7 @@ impl Instance {
         Ok(())
     }
 
-    /// The value of a Boolean.
+    /// The value of a Boolean variable.
     ///
     /// # Errors
     /// Where the variable is none.
@@ -385,7 +386,7 @@ impl Instance {
         Ok(self.time())
     }
 
-    /// A copy to go back to.
+    /// Copies the state of the instance.
     pub fn snapshot(&self) -> Snapshot {
         Snapshot {
             memory: self.memory.clone(),
@@ -393,7 +394,7 @@ impl Instance {
         }
     }
 
-    /// Goes back to a copy.
+    /// Restores a copy of the state.
     pub fn restore(&mut self, snapshot: &Snapshot) {
         self.memory = snapshot.memory.clone();
         self.method = snapshot.method.duplicate();
@@ -403,7 +404,7 @@ impl Instance {
         self.apply_all();
     }
 
-    /// Makes inputs act and the discrete state belong to the state.
+    /// Applies pending inputs and makes the discrete state consistent with the continuous state.
     pub(crate) fn settle(&mut self) {
         if self.memory.stale {
             let t = self.memory.state.t;
@@ -417,7 +418,7 @@ impl Instance {
         }
     }
 
-    /// Outputs at the present state.
+    /// Outputs of the scene at the present state.
     fn outputs(&mut self) -> &Outputs {
         let (scene, state) = (&mut self.coupled.scene, &self.memory.state);
         self.known.outputs.get_or_insert_with(|| {
@@ -427,7 +428,7 @@ impl Instance {
         })
     }
 
-    /// Makes profiles act that are made of what the host set.
+    /// Applies the profiles of loads and motions that `of` derives from the inputs.
     fn apply(&mut self, of: impl Fn(Acts, &Given) -> Profile) {
         let t = self.memory.state.t;
         let (mut jumped, mut shaken) = (false, Vec::new());
@@ -475,7 +476,7 @@ impl Instance {
     }
 }
 
-/// As the scene starts.
+/// The initial state of the scene.
 fn start(coupled: &Coupled) -> Memory {
     let given: Vec<Given> = (coupled.ports.iter())
         .map(|port| {
@@ -504,7 +505,7 @@ fn start(coupled: &Coupled) -> Memory {
     }
 }
 
-/// Where an input is kept.
+/// The stored value of an input.
 fn place(given: &mut Given, quantity: Quantity, end: bool) -> &mut f64 {
     let Given { now, end: last } = given;
     let of = if end { last } else { now };
@@ -514,7 +515,7 @@ fn place(given: &mut Given, quantity: Quantity, end: bool) -> &mut f64 {
     }
 }
 
-/// An input that holds from a time on.
+/// The profile of an input that is constant from a time on.
 fn held(acts: Acts, given: &Given, t: f64) -> Profile {
     let [a, b] = given.now;
     match acts {
@@ -526,7 +527,7 @@ fn held(acts: Acts, given: &Given, t: f64) -> Profile {
     }
 }
 
-/// An input that runs to its value at the end of a step.
+/// The profile of an input that varies to its value at the end of a step.
 fn piece(acts: Acts, given: &Given, times: [f64; 2]) -> Profile {
     match acts {
         Acts::Load(_) if given.now[0] == given.end[0] => Profile::Constant(given.now[0]),

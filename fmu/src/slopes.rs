@@ -1,4 +1,4 @@
-//! Derivatives of outputs in time, of first and second order, for hosts that extrapolate.
+//! First and second time derivatives of outputs, for hosts that extrapolate.
 //!
 //! Outputs are looked at a little before and after the present state, `y(t - d)`, `y(t)`, `y(t + d)`: central differences.
 //! The states there are classical Runge-Kutta steps on the present branch of the contacts, so that inputs, velocities and
@@ -11,12 +11,12 @@ use gearbench_integrators::system::Report;
 use gearbench_integrators::{Outputs, SecondOrderSystem, State, StateView};
 use gearbench_models::scene::Scene;
 
-/// Part of the characteristic time.
+/// Step of the difference quotient, relative to the characteristic time.
 const PART: f64 = 3e-3;
-/// Time where nothing is fast [s].
+/// Step of the difference quotient for scenes without a characteristic time [s].
 const SLOW: f64 = 1e-3;
 
-/// The state a time later, on the same branch.
+/// The state at a later time on the same branch of the contact law.
 fn later(scene: &mut Scene, s: &State, h: f64) -> State {
     let n = s.q.len();
     let mut rate = |c: f64, q: &[f64], v: &[f64]| {

@@ -19,7 +19,7 @@ use gearbench_reports::series::{
     TOOTH_SPRING_FORCE, TOOTH_TANGENTIAL_FORCE, TimeSeries,
 };
 
-/// The part of a row that tells of the modes of elastic gears.
+/// The columns of a row on the modes of elastic gears.
 pub fn reduction(scene: &Scene, modelling: &Modelling) -> Run {
     let mut found = Run::default();
     for (gear, spec) in scene.gears().iter().zip(&modelling.gears) {
@@ -119,7 +119,7 @@ pub fn time_series(job: &Job<'_>, scene: &Scene, history: &History) -> TimeSerie
     series
 }
 
-/// Torques between the stations of shafts, then how bodies on them move.
+/// Channels of shafts: torques between stations, then motions of the bodies on them.
 fn of_shafts(spec: &SceneSpec) -> impl Iterator<Item = Channel> + '_ {
     let between = |s: &ShaftSpec| s.stations.len().saturating_sub(1);
     let torques = spec.shafts.iter().map(between).sum();
@@ -141,7 +141,7 @@ fn of_shafts(spec: &SceneSpec) -> impl Iterator<Item = Channel> + '_ {
 /// Torques of a gear.
 const TORQUES: [OfGear; 2] = [OfGear::ContactTorque, OfGear::MountTorque];
 
-/// Torques of contacts and mounts, by the values of a channel.
+/// Torques of contacts and mounts, by gear, from the values of their channels.
 fn torques(spec: &SceneSpec, values: impl Fn(Channel) -> Vec<f64>) -> Vec<Column> {
     let gears = 0..spec.gears.len();
     let channels = gears.flat_map(|g| TORQUES.map(|what| Channel::Gear(g, what)));
@@ -152,7 +152,7 @@ fn torques(spec: &SceneSpec, values: impl Fn(Channel) -> Vec<f64>) -> Vec<Column
     channels.map(column).collect()
 }
 
-/// Transmission errors of all meshes but the first, by the way of each hub.
+/// Transmission errors of all meshes but the first, from the displacement of each hub.
 fn further_errors(spec: &SceneSpec, of_hub: impl Fn(usize) -> Vec<f64>) -> Vec<Column> {
     let column = |m: usize| {
         let [a, b] = spec.meshes[m].gears.map(|i| spec.gears[i].name.as_str());
@@ -238,7 +238,7 @@ fn turning(scene: &SceneSpec, gear: usize, mut speed: Vec<f64>) -> Vec<f64> {
     speed
 }
 
-/// The body that a gear goes round with, behind the gears.
+/// The carrier of a planet gear, as index of a member behind the gears.
 pub fn carrier_of(scene: &SceneSpec, gear: usize) -> Option<usize> {
     let carries = scene.bodies().position(|b| b.planets.contains(&gear));
     carries.map(|body| scene.gears.len() + body)
@@ -256,7 +256,7 @@ fn transmission_error(
     Some(x.iter().zip(&y).map(|(x, y)| of(*x, *y)).collect())
 }
 
-/// Motions of both gears of a mesh, in a planetary set relative to its carrier, by the motion of each hub.
+/// Motions of both gears of a mesh from the motion of each hub; in a planetary set relative to the carrier.
 fn seen_from_carrier(
     scene: &SceneSpec,
     mesh: &MeshSpec,
@@ -288,7 +288,8 @@ fn mesh_cycles(scene: &SceneSpec, displacement: impl Fn(usize) -> Vec<f64>) -> O
     Some(turn)
 }
 
-/// Places in the backlash between which a tooth has to move for them to be recorded: flanks of both sides are near then.
+/// Range of the position in the backlash that the motion must exceed to be recorded: both flanks are then close to
+/// contact.
 const HAMMERING: [f64; 2] = [0.25, 0.75];
 /// Slowest over fastest speed of the second gear with which the error of the speed ratio is recorded.
 const TURNING: f64 = 0.5;
@@ -418,7 +419,8 @@ pub fn sampled_impulse(spec: &SceneSpec, series: &TimeSeries) -> f64 {
         .sum()
 }
 
-/// The books of a run; the impulse is that of the force in the transverse plane, where the lines of action lie.
+/// The energy and impulse balance of a run; the impulse is that of the force in the transverse plane, which contains
+/// the lines of action.
 pub fn ledger_record(
     job: &Job<'_>,
     ledger: &Ledger,
@@ -467,7 +469,7 @@ pub fn ledger_record(
     }
 }
 
-/// The mesh at one state: outlines turned and placed, contacts with their forces.
+/// The mesh at one state: gear outlines in position, contacts with their forces.
 pub fn snapshot(spec: &SceneSpec, scene: &mut Scene, state: &State) -> ContactSnapshot {
     let phases = scene.phases().to_vec();
     let mut outlines = Vec::new();

@@ -28,18 +28,19 @@ use gearbench_reference::limits;
 use gearbench_reports::record::{ContactSnapshot, Run};
 use std::time::{Duration, Instant};
 
-/// A run that took more processor time [s] is not repeated without observers: what they cost is small beside it.
+/// Processor time [s] above which a run is not repeated without observers: their cost is then relatively small.
 const LONG: f64 = 1.0;
-/// Timed repeats of a run at most, however short it is.
+/// Largest number of timed repeats of a short run.
 const MOST_REPEATS: usize = 300;
 
-/// Dense matrices that such a method holds at a time: Jacobian, Newton matrix, its factors and what these are made of.
+/// Number of dense matrices that such a method stores at a time: Jacobian, Newton matrix, its factors and intermediate
+/// matrices.
 const DENSE_COPIES: f64 = 4.0;
 
-/// The setting that names pairs of a model and an integrator that cannot run it.
+/// Name of the setting that lists omitted pairs of model and integrator.
 pub const LEFT_OUT: &str = "left out";
 
-/// No bound of time: such a run ends at its end, or at its number of steps.
+/// Time bound of a run without bound: it ends at its final time or at its number of steps.
 pub const NO_BOUND: Duration = Duration::from_secs(1_000_000_000);
 
 /// Input of one run: scene, models, integrator, sampling and bounds.
@@ -55,30 +56,31 @@ pub struct Job<'a> {
     pub method: &'a Scheme,
     /// End of the simulated time [s].
     pub t_end: f64,
-    /// Times to record at [s].
+    /// Sampling times of the histories [s].
     pub grid: &'a [f64],
-    /// Record accepted steps in contact as well.
+    /// True if accepted steps in contact are recorded as well.
     pub also_steps: bool,
-    /// Record the components of contact and bearing forces.
+    /// True if the components of contact and bearing forces are recorded.
     pub forces: bool,
-    /// Record torques, and transmission errors of further meshes: what references may have beside forces and speeds.
+    /// True if torques and further transmission errors are recorded, which references may contain besides forces and
+    /// speeds.
     pub torques: bool,
-    /// Keep what the files of histories hold.
+    /// True if the data of the history files are stored.
     pub histories: bool,
-    /// Frames for ParaView; none where nobody asks.
+    /// Frames for ParaView, if requested.
     pub pictures: Option<&'a Pictures>,
     /// True if contact events are located.
     pub events: bool,
     /// Number of timed repeats.
     pub repeats: u32,
-    /// Bound on the processor time of one integration, recording excluded.
+    /// Bound on the processor time of one integration, without recording.
     pub timeout: Duration,
-    /// Bound on its steps, rejected ones included: a timeout that does not depend on the machine.
+    /// Bound on the number of steps, rejected ones included; unlike a timeout it does not depend on the machine.
     pub max_steps: u64,
 }
 
 impl Job<'_> {
-    /// Name of what the result depends on, timings apart.
+    /// Hash of everything that the result depends on, apart from measured times.
     pub fn key(&self) -> Key {
         Key::new("run")
             .and_scene(self.scene, self.modelling)
@@ -105,7 +107,7 @@ impl Job<'_> {
 #[derive(Clone, Copy, Debug)]
 struct Cost {
     wall: f64,
-    /// Processor time; wall time where the system reports no other.
+    /// Processor time; wall time if the system reports no processor time.
     processor: f64,
 }
 
@@ -134,12 +136,12 @@ impl Stopwatch {
     }
 }
 
-/// Memory of the matrices of a method that keeps dense ones of the first-order form, twice the coordinates [bytes].
+/// Memory of the dense matrices of a method in first-order form, with twice the coordinates [bytes].
 fn dense_bytes(coordinates: usize) -> f64 {
     DENSE_COPIES * 8.0 * (2.0 * coordinates as f64).powi(2)
 }
 
-/// Memory of a number of a history while its run is recorded, journalled and written to a table [bytes].
+/// Memory per number of a history while its run is recorded, journalled and written to a table [bytes].
 const RECORDED: f64 = 26.0;
 /// Memory of a number of a history where no history files are written [bytes].
 const MEASURED: f64 = 14.0;
@@ -159,7 +161,7 @@ fn check_histories(job: &Job<'_>, scene: &Scene) -> Result<(), RunError> {
     )?)
 }
 
-/// Runs a job and fills a row; model names and metrics are the caller's.
+/// Runs a job and returns its row; the caller adds model names and metrics.
 pub fn run(job: &Job<'_>) -> Result<Run, RunError> {
     run_timed(job, Duration::ZERO)
 }

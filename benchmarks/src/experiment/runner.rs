@@ -1,4 +1,4 @@
-//! How a study does its work: piece by piece, each finished one kept on disk, none begun after an interruption.
+//! Execution of a study piece by piece: finished pieces are stored on disk, and none begins after an interruption.
 //!
 //! A study is written as if it computed everything. What an earlier start has finished is taken from the journal, and a
 //! study that was interrupted comes to its end with rows that were not made, which the record then leaves out.
@@ -26,20 +26,20 @@ use std::sync::atomic::{AtomicU64, Ordering};
 /// Callback that receives the number of finished pieces that an interrupted start left in the journal.
 pub type Announce<'a> = &'a (dyn Fn(usize) + Sync);
 
-/// Pieces that were taken from the journal.
+/// Number of pieces that were taken from the journal.
 #[derive(Debug, Default)]
 struct Resumed {
     pieces: usize,
     announced: bool,
 }
 
-/// Does the pieces of a study.
+/// Runs the pieces of a study.
 pub struct Runner<'a> {
     journal: Option<Mutex<Journal>>,
     progress: Progress<'a>,
-    /// Bytes of rows that the study keeps to its end.
+    /// Memory of the rows that the study keeps to its end [bytes].
     kept: AtomicU64,
-    /// The processor time that all pieces may take together.
+    /// Budget of processor time of all pieces together.
     budget: Budget,
     resumed: Mutex<Resumed>,
     announce: Announce<'a>,
@@ -114,24 +114,24 @@ impl<'a> Runner<'a> {
         self
     }
 
-    /// The processor time that the study may take.
+    /// The budget of processor time of the study.
     pub fn budget(&self) -> &Budget {
         &self.budget
     }
 
-    /// Tells the runs done, all that are known of, and the name of the next.
+    /// Reports progress: number of runs done, their total number so far, and the name of the next.
     pub fn tell(&self, done: usize, total: usize, what: &str) {
         (self.progress)(done, total, what);
     }
 
-    /// Counts the histories of a row that the study keeps to its end: the memory for further runs is less by that.
+    /// Subtracts the memory of a row that the study keeps from the memory for further runs.
     pub fn keeps(&self, row: &Run) {
         let bytes = 8 * numbers_of(row) as u64;
         limits::reserve(bytes);
         self.kept.fetch_add(bytes, Ordering::Relaxed);
     }
 
-    /// The result of a piece of work, if it is finished.
+    /// Returns the result of a piece of work from the journal, if it is finished.
     ///
     /// # Errors
     /// [`JournalError`] when the journal holds something else.
@@ -147,7 +147,7 @@ impl<'a> Runner<'a> {
         Ok(found)
     }
 
-    /// The result of a piece of work, made now unless it is finished.
+    /// Returns the result of a piece of work from the journal, or computes and stores it.
     ///
     /// # Errors
     /// Those of the work, and [`JournalError`].
@@ -243,19 +243,19 @@ impl<'a> Runner<'a> {
     }
 }
 
-/// Why the work of one model was not done.
+/// Reason why the work on one model has no result.
 #[derive(Debug)]
 pub enum NotMade<E> {
     /// The study was interrupted.
     Interrupted,
-    /// The work has an error, of the model or of the study.
+    /// The work ended with an error of the model or of the study.
     Error(E),
-    /// The program itself failed.
+    /// The program panicked.
     Panic(String),
 }
 
 impl<E: ModelRefusal> NotMade<E> {
-    /// Status and message of a row that stands for the work.
+    /// Status and message of the row for work without result.
     ///
     /// # Errors
     /// An error that is not of the model ends the study.
@@ -274,7 +274,7 @@ impl<E: ModelRefusal> NotMade<E> {
     }
 }
 
-/// Does the work of one model, so that neither its errors nor its panics end the work of others.
+/// Runs the work on one model, isolated so that its errors and panics do not end other work.
 ///
 /// # Errors
 /// [`NotMade`].

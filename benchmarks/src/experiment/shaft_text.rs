@@ -1,4 +1,4 @@
-//! A shaft and a guide in words, for what a reader must know of a scene.
+//! Descriptions of shafts and guides for the settings of a report.
 
 use gearbench_models::law::FrictionForm;
 use gearbench_models::spec::{

@@ -1,4 +1,4 @@
-//! A scene as a functional mock-up unit (FMI 3.0): what a host sees of it, and the file that holds it.
+//! Export of a scene as a functional mock-up unit (FMI 3.0).
 //!
 //! One file serves co-simulation and model exchange. It has the description, the scene with all that it reads, and the
 //! shared library of the crate `gearbench-fmu`, which reads the scene again and steps it. Both sides number variables by

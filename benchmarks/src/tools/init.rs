@@ -16,7 +16,7 @@ Examples:
   gearbench init check                          check.toml, for `gearbench check`
   gearbench init workflow                       workflow.yml, which runs that check for every pull request";
 
-/// Scenes to start from beside the shipped ones.
+/// Templates of scenes in addition to the shipped ones.
 const TEMPLATES: [(&str, &str); 3] = [
     ("pair", include_str!("../../templates/pair.toml")),
     ("rack", include_str!("../../templates/rack.toml")),
@@ -39,10 +39,10 @@ const OTHERS: [(&str, &str, &str, &str); 2] = [
     ),
 ];
 
-/// An example in several files, a folder of its name.
+/// Name of the example with several files, and of its folder.
 const FOLDER: &str = "own_gears";
 
-/// Its files, the one to begin with first.
+/// Files of the example, the main one first.
 const FILES: [(&str, &[u8]); 5] = [
     (
         "press.toml",
@@ -99,7 +99,7 @@ pub fn run(args: &Init) -> Result<Answer, Refusal> {
     Ok(Answer::done().with("written", path))
 }
 
-/// Writes files: all of them, or none where one is there already, unless by force.
+/// Writes files: all of them, or none if one exists, unless `force`.
 fn write(files: &[(PathBuf, &[u8])], force: bool) -> Result<(), Refusal> {
     let overwriting = Overwriting {
         inputs: &[],
@@ -116,7 +116,7 @@ fn write(files: &[(PathBuf, &[u8])], force: bool) -> Result<(), Refusal> {
     Ok(())
 }
 
-/// Writes the example of several files into a folder: all of them, or none where one is there already.
+/// Writes the example with several files into a folder: all of them, or none if one exists.
 fn write_folder(args: &Init) -> Result<Answer, Refusal> {
     let folder = (args.out.clone()).unwrap_or_else(|| FOLDER.into());
     std::fs::create_dir_all(&folder)
@@ -132,7 +132,7 @@ fn write_folder(args: &Init) -> Result<Answer, Refusal> {
     Ok(Answer::done().with("written", folder))
 }
 
-/// A template, or a shipped scene.
+/// The text of a template or of a shipped scene.
 fn text(what: &str) -> Result<String, SceneError> {
     if let Some((_, text)) = TEMPLATES.iter().find(|(name, _)| *name == what) {
         return Ok((*text).to_owned());

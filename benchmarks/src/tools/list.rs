@@ -1,4 +1,4 @@
-//! `gearbench list`: what there is to name on the command line and in scenes.
+//! The command `gearbench list`: scenes, models, integrators and references by name.
 
 use crate::cli::answer::Answer;
 use crate::cli::terminal::{Refusal, say};

@@ -7,7 +7,7 @@ use crate::instance::{Done, Failure};
 use std::ffi::{c_char, c_void};
 use std::ptr::null_mut;
 
-/// Nothing was asked for, or a variable that is not there.
+/// Succeeds for zero variables; otherwise fails, as no variable of the type exists.
 fn none(count: usize, what: &str) -> Done {
     match count {
         0 => Ok(()),
@@ -55,7 +55,7 @@ no_variables! {
     fmi3GetString, fmi3SetString, *const c_char, "String";
 }
 
-/// Functions with arguments of their own that have nothing to work on.
+/// Functions for features that do not exist; they always fail.
 macro_rules! absent {
     ($($name:ident($($argument:ident: $type:ty),*), $why:literal;)*) => { $(
         #[unsafe(no_mangle)]

@@ -65,7 +65,7 @@ impl Logger {
     }
 }
 
-/// Lets no panic out.
+/// Runs a function and converts a panic to an error.
 fn caught<T>(act: impl FnOnce() -> T) -> Result<T, String> {
     catch_unwind(AssertUnwindSafe(act)).map_err(|panic| {
         let text = panic.downcast_ref::<String>().map(String::as_str);
@@ -74,7 +74,7 @@ fn caught<T>(act: impl FnOnce() -> T) -> Result<T, String> {
     })
 }
 
-/// Does something with an instance.
+/// Calls a function on an instance and logs its failure.
 ///
 /// # Safety
 /// `instance` is null, or one that an instantiating function returned and nobody freed or uses meanwhile.
@@ -99,7 +99,7 @@ unsafe fn with(
     status
 }
 
-/// Numbers that a host hands over.
+/// Borrows an array of the host for reading.
 ///
 /// # Safety
 /// `p` is null or points to `n` of them.
@@ -112,7 +112,7 @@ unsafe fn read<'a, T>(p: *const T, n: usize) -> Done<&'a [T]> {
     }
 }
 
-/// Places that a host wants filled.
+/// Borrows an array of the host for writing.
 ///
 /// # Safety
 /// `p` is null or points to `n` of them, which nobody else uses.
@@ -125,7 +125,7 @@ unsafe fn fill<'a, T>(p: *mut T, n: usize) -> Done<&'a mut [T]> {
     }
 }
 
-/// Fills a place, if there is one.
+/// Writes a value to a pointer unless it is null.
 ///
 /// # Safety
 /// `p` is null or may be written to.
@@ -136,7 +136,7 @@ unsafe fn put<T>(p: *mut T, x: T) {
     }
 }
 
-/// A text of the host; empty where there is none.
+/// Reads a C string of the host; empty for a null pointer.
 ///
 /// # Safety
 /// `p` is null or a text that ends with a zero.
@@ -148,7 +148,7 @@ unsafe fn text(p: *const c_char) -> String {
     }
 }
 
-/// As many values as references.
+/// Checks that the numbers of references and values are equal.
 fn paired(references: usize, values: usize) -> Done {
     match references == values {
         true => Ok(()),

@@ -1,4 +1,4 @@
-//! The meshes of a scene that runs slowly: closing, force, compliance and damping of each through one mesh cycle.
+//! Meshes of a scene in quasi-static motion: closing, force, compliance and damping of each mesh over one mesh cycle.
 //!
 //! At each phase the loaded state is found anew. Of a mesh are kept, with `N` the sum of its normal forces,
 //!
@@ -27,24 +27,24 @@ use gearbench_models::spec::{Body, SceneSpec};
 use nalgebra::DMatrix;
 use std::f64::consts::TAU;
 
-/// Part of a typical deflection or speed by which forces are differenced.
+/// Step of the finite differences of forces, relative to a typical deflection or speed.
 const STEP: f64 = 1e-3;
-/// Why a mesh is no spring.
+/// The message for a mesh without stiffness.
 const NO_STIFFNESS: &str =
     "a mesh has no stiffness: it carries no load, or none of its gears can move";
-/// Relative distance of mesh frequencies that count as one.
+/// Relative difference below which mesh frequencies count as equal.
 const ALIKE: f64 = 1e-6;
 
-/// A mesh at a phase of its cycle.
+/// State of a mesh at one phase of its cycle.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct MeshPhase {
-    /// Closing of the flanks by the hubs, from the first phase [m].
+    /// Closing of the flanks by the motion of the hubs since the first phase [m].
     pub closing: f64,
     /// Sum of the normal forces [N].
     pub force: f64,
-    /// Compliance between the hubs [m/N].
+    /// Compliance of the mesh between the hubs [m/N].
     pub compliance: f64,
-    /// The part of it in the contact: what is left when teeth and modes go with their gear as a rigid body [m/N].
+    /// Share of the contact in the compliance: the compliance with teeth and modes fixed to their gear [m/N].
     pub contact: f64,
     /// Damping of the contact [N s/m].
     pub damping: f64,
@@ -53,36 +53,36 @@ pub struct MeshPhase {
 /// Coupling of a mesh to the coordinates of its scene at the first phase: closing by coordinate, stiffness and damping.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MeshRow {
-    /// Closing of its flanks by unit of each coordinate.
+    /// Closing of the flanks by unit of each coordinate.
     pub flanks: Vec<f64>,
     /// Closing by unit of each coordinate through the hubs alone: teeth and modes count only as far as they turn the
     /// hub.
     pub hubs: Vec<f64>,
     /// Stiffness of the contact [N/m].
     pub stiffness: f64,
-    /// Its damping [N s/m].
+    /// Damping of the contact [N s/m].
     pub damping: f64,
     /// Mesh frequency at the speeds of the scene [Hz].
     pub frequency: f64,
 }
 
 impl MeshRow {
-    /// Its mesh carries a load, and has a stiffness.
+    /// True if the mesh carries a load, and so has a stiffness.
     fn carries(&self) -> bool {
         self.stiffness > 0.0 && self.stiffness.is_finite()
     }
 }
 
-/// Meshes of one frequency through their cycle.
+/// Meshes of one mesh frequency over their cycle.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MeshCycle {
     /// Indices of the meshes in the scene.
     pub meshes: Vec<usize>,
     /// Frequency at the speeds of the scene [Hz].
     pub frequency: f64,
-    /// Phases at even times, by mesh.
+    /// States at equidistant phases, by mesh.
     pub phases: Vec<Vec<MeshPhase>>,
-    /// Natural frequencies of the mode of these meshes, by phase [Hz].
+    /// Natural frequency of the mesh mode of these meshes, by phase [Hz].
     pub natural: Vec<f64>,
 }
 
@@ -90,17 +90,17 @@ pub struct MeshCycle {
 /// that the mean has an error of some parts of one phase.
 pub const PHASES: usize = 24;
 
-/// The resonance of meshes over their cycle.
+/// Resonance frequency of meshes over their cycle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Resonance {
-    /// Root mean square of the frequencies of the mesh mode [Hz].
+    /// Root mean square of the frequencies of the mesh mode over the cycle [Hz].
     pub frequency: f64,
-    /// Least and greatest of them [Hz].
+    /// Least and greatest frequency of the mesh mode over the cycle [Hz].
     pub range: [f64; 2],
 }
 
 impl MeshCycle {
-    /// The resonance; `None` where nothing vibrates at a phase.
+    /// The resonance; `None` if the frequency is zero at some phase.
     pub fn resonance(&self) -> Option<Resonance> {
         let ends = (self.natural.iter())
             .fold([f64::INFINITY, 0.0_f64], |[a, b], f| [a.min(*f), b.max(*f)]);
@@ -113,9 +113,9 @@ impl MeshCycle {
     }
 }
 
-/// A scene that runs slowly under its loads.
+/// A scene in quasi-static motion under its loads.
 pub struct Running {
-    /// Its loaded state at the start.
+    /// The loaded state at the start.
     pub start: Loaded,
     /// One row for each mesh of the scene.
     pub rows: Vec<MeshRow>,
@@ -123,7 +123,7 @@ pub struct Running {
     pub cycles: Vec<MeshCycle>,
 }
 
-/// Change of the forces of all meshes by a displacement and a velocity.
+/// Central difference of the forces of all meshes along a displacement and a velocity [N].
 fn change(scene: &mut Scene, s: &State, [dq, dv]: [&[f64]; 2]) -> Vec<f64> {
     let mut at = |sign: f64| {
         let mut moved = s.clone();
@@ -139,7 +139,7 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// The gear of a mesh whose hub is free, and its place in the mesh.
+/// The gear of a mesh whose hub is free, and its position (0 or 1) in the mesh.
 fn free_of(scene: &Scene, mesh: usize) -> Option<(usize, usize)> {
     let gears = scene.meshes()[mesh].gears;
     let free = |&(i, _): &(usize, usize)| scene.gears()[i].model.hub().is_free();
@@ -151,9 +151,9 @@ struct Cycle<'a> {
     scene: &'a mut Scene,
     scales: Vec<f64>,
     speeds: Vec<f64>,
-    /// Turns of gears as rigid bodies, each on one coordinate of its hub, that of a gear that is held none.
+    /// Rigid-body rotation of each gear by the coordinate of its hub; `None` for a fixed gear.
     turns: Vec<Option<Vec<f64>>>,
-    /// 1 where left flanks are in contact, -1 for right ones, by mesh.
+    /// 1 if left flanks are in contact, -1 for right flanks, by mesh.
     sides: Vec<f64>,
     rows: Vec<MeshRow>,
 }
@@ -161,7 +161,7 @@ struct Cycle<'a> {
 /// A mesh as a spring between hubs: its closing by unit of each coordinate, and its stiffness [N/m].
 pub(super) type HubSpring<'a> = (&'a [f64], f64);
 
-/// The natural mode in which hubs close some meshes most.
+/// The natural mode with the largest strain energy of some meshes as springs between hubs.
 pub(super) fn of_meshes(found: &Loaded, meshes: &[HubSpring<'_>]) -> Option<usize> {
     let (space, modes) = (&found.space, &found.modes);
     let mut strain = vec![0.0; modes.squares.len()];
@@ -178,7 +178,7 @@ pub(super) fn of_meshes(found: &Loaded, meshes: &[HubSpring<'_>]) -> Option<usiz
     swinging.max_by(|a, b| share(a).total_cmp(&share(b)))
 }
 
-/// The mode of all meshes that carry a load, by its place among the natural modes.
+/// The index of the mesh mode of all loaded meshes among the natural modes.
 ///
 /// # Errors
 /// [`NotSolved`] where own coordinates of a gear have no stiffness, or no mesh has one.
@@ -196,7 +196,7 @@ pub(super) fn mesh_mode_at(scene: &mut Scene, found: &Loaded) -> Result<usize, N
     }
 }
 
-/// How a gear turns as a rigid body: own coordinates go with the hub where nothing strains them.
+/// Rigid-body rotation of each gear: its own coordinates follow the hub without strain.
 fn turns(scene: &Scene, mechanism: &DMatrix<f64>) -> Result<Vec<Option<Vec<f64>>>, NotSolved> {
     let of = |g: &SceneGear| {
         let (hub, range) = (g.model.hub(), g.range());
@@ -221,7 +221,7 @@ fn turns(scene: &Scene, mechanism: &DMatrix<f64>) -> Result<Vec<Option<Vec<f64>>
 }
 
 impl<'a> Cycle<'a> {
-    /// Of a loaded state; rows are to be filled.
+    /// Starts a mesh cycle at a loaded state, without rows.
     fn of(scene: &'a mut Scene, start: &Loaded) -> Result<Cycle<'a>, NotSolved> {
         let n = start.state.q.len();
         let (mut scales, mut speeds) = (vec![0.0; n], vec![0.0; n]);
@@ -318,7 +318,7 @@ impl<'a> Cycle<'a> {
         }
     }
 
-    /// The meshes at a loaded state that has moved by `away` from the first, as seen from carriers.
+    /// The states of the meshes at a loaded state that is displaced by `away` from the first, relative to carriers.
     fn at(&mut self, found: &Loaded, away: &[f64]) -> Vec<MeshPhase> {
         let s = &found.state;
         let mut loads = Vec::new();
@@ -360,7 +360,7 @@ impl<'a> Cycle<'a> {
     }
 }
 
-/// Mesh frequencies by the speeds of gears that are free [Hz].
+/// Mesh frequencies from the speeds of free gears [Hz].
 fn frequencies(scene: &Scene, spec: &SceneSpec, seen: &State) -> Vec<f64> {
     let of = |mesh| {
         let Some((gear, _)) = free_of(scene, mesh) else {
@@ -375,7 +375,7 @@ fn frequencies(scene: &Scene, spec: &SceneSpec, seen: &State) -> Vec<f64> {
     (0..scene.meshes().len()).map(of).collect()
 }
 
-/// Follows a scene through the cycles of its meshes, with so many phases of each.
+/// Follows a scene quasi-statically through the cycles of its meshes, with `phases` phases each.
 ///
 /// # Errors
 /// [`NotSolved`] where a loaded state is not found, where gears stand still, or a mesh carries no load.

@@ -1,4 +1,4 @@
-//! The loaded state of a scene: what its loads come to when nothing swings any more, and the scene to first order there.
+//! Static or steady equilibrium of a scene under its loads, and its linearisation there.
 //!
 //! A train that is free accelerates under its loads as a whole. With the rigid motions `Z` of the mechanism that part of the
 //! forces `f` deflects nothing and is left out,
@@ -19,37 +19,37 @@ use gearbench_integrators::system::{SecondOrderSystem, State};
 use gearbench_models::scene::{LinearisedScene, Scene};
 use nalgebra::DVector;
 
-/// Part of the highest eigenvalue below which a motion has no stiffness.
+/// Share of the highest eigenvalue below which a motion has no stiffness.
 const SLACK: f64 = 1e-12;
-/// Largest motion of a step that meets flanks, in typical deflections.
+/// Largest Newton step that closes flanks, in typical deflections.
 const BOUND: f64 = 20.0;
-/// Largest motion of any other step [m]: far less than a tooth.
+/// Largest Newton step otherwise [m]; far less than a tooth.
 const FARTHEST: f64 = 2e-5;
-/// Part of the power along a step that is left where the step may end.
+/// Share of the initial power along a step at which the line search may end.
 const LEFT: f64 = 0.5;
-/// Motion of a step from which on the state is found, in typical deflections.
+/// Largest Newton step at convergence, in typical deflections.
 const FOUND: f64 = 1e-7;
-/// Part of all forces below which what pushes gears that stand apart is rounding.
+/// Residual forces on gears without contact below this share of all forces are rounding errors.
 const ROUNDING: f64 = 1e-10;
-/// Steps, and bisections of one.
+/// Bounds on the number of Newton steps, and of bisections of one step.
 const MOST_STEPS: u32 = 200;
 const MOST_HALVINGS: u32 = 45;
 
-/// A state about which a scene is linear, and what it is there.
+/// A loaded state of equilibrium with the linearised scene and its modes.
 pub struct Loaded {
     /// Coordinates, velocities and discrete state of the equilibrium.
     pub state: State,
-    /// The scene to first order there.
+    /// The scene linearised at the state.
     pub linear: LinearisedScene,
-    /// Motions without the rigid ones.
+    /// The space of motions without the rigid-body ones.
     pub space: Space,
-    /// Modes without the rigid motions.
+    /// Natural modes without the rigid-body motions.
     pub modes: Modes,
     /// Rigid-body motions `y`, in coordinates of unit mass.
     pub rigid: Vec<DVector<f64>>,
-    /// Steps that led there; 0 for a start that is taken as it is.
+    /// Number of Newton steps; 0 if the start is used as it is.
     pub steps: u32,
-    /// Forces of the meshes [N].
+    /// Sum of the normal forces of each mesh [N].
     pub pressed: Vec<f64>,
 }
 
@@ -62,10 +62,10 @@ pub(super) fn pressed(scene: &mut Scene, s: &State) -> Vec<f64> {
     sums
 }
 
-/// The motions that are left, the rigid ones as `y` of all, and the speeds of the mechanism.
+/// The remaining motions, the rigid-body motions `y`, and the velocities of the mechanism.
 type Motions = (Space, Vec<DVector<f64>>, Vec<f64>);
 
-/// Motions of the mechanism.
+/// Rigid-body motions and velocities of the mechanism, without contact.
 fn motions(scene: &mut Scene, s: &State, linear: &LinearisedScene) -> Result<Motions, NotSolved> {
     let mut space = Space::new(&linear.mass)?;
     space.hold(&scene.constraints());
@@ -98,11 +98,11 @@ fn motions(scene: &mut Scene, s: &State, linear: &LinearisedScene) -> Result<Mot
     Ok((space, rigid, speeds))
 }
 
-/// How a step ends.
+/// Result of the line search along a step.
 enum Along {
-    /// The forces along it hardly change: no flank is met.
+    /// The forces along the step hardly change: no flank is in contact.
     Free,
-    /// This part of it leads to where forces along it are nearly balanced.
+    /// At this share of the step the forces along it are nearly balanced.
     Met(f64),
 }
 
@@ -123,7 +123,7 @@ impl Search<'_> {
         f
     }
 
-    /// A state that has moved along a displacement.
+    /// The state displaced by a share of a displacement.
     fn moved(&self, s: &State, displacement: &[f64], part: f64) -> State {
         let mut moved = s.clone();
         (moved.q.iter_mut().zip(displacement)).for_each(|(q, x)| *q += part * x);
@@ -156,7 +156,7 @@ impl Search<'_> {
         Along::Met(if low > 0.0 { low } else { part })
     }
 
-    /// Where forces are least balanced, and by which part of the largest load.
+    /// Member with the largest residual force, and that force relative to the largest load.
     fn imbalance(&self, s: &State, on: &DVector<f64>) -> (f64, String) {
         let left = self.space.force_of(on);
         let gears = self.scene.gears();
@@ -175,13 +175,13 @@ impl Search<'_> {
         (most, owner.map_or_else(String::new, |g| g.name.clone()))
     }
 
-    /// Forces on the modes.
+    /// Generalised forces on the modes.
     fn on_modes(&mut self, s: &State, modes: &Modes) -> DVector<f64> {
         let f = self.forces(s);
         modes.vectors.tr_mul(&self.space.force(&f))
     }
 
-    /// The displacement that answers to forces on the modes with so much more stiffness, and its largest part in typical
+    /// Displacement under forces on the modes with additional stiffness `more`, and its largest component in typical
     /// deflections.
     fn answer(&self, modes: &Modes, on: &DVector<f64>, more: f64) -> (Vec<f64>, f64) {
         let floor = slack_of(modes);
@@ -200,7 +200,7 @@ fn slack_of(modes: &Modes) -> f64 {
     SLACK * modes.squares.last().map_or(0.0, |x| x.abs())
 }
 
-/// The loaded state of a scene, from its start; `loads` says whether there are any.
+/// Computes the loaded state of a scene from its start; `loads` is true if loads act.
 ///
 /// # Errors
 /// [`NotSolved`] where there is none, or it was not found.

@@ -19,12 +19,13 @@ use gearbench_models::spec::{ModelSpec, Modelling, SceneSpec};
 use gearbench_reports::record::{MeshMode, finite};
 use std::f64::consts::TAU;
 
-/// Coordinates up to which the mesh mode is computed next to a study of another kind: the work grows with their cube.
+/// Largest number of coordinates for which other studies compute the mesh mode: the work grows with the cube.
 pub const FEW: usize = 300;
-/// Coordinates up to which the resonance over the mesh cycle is computed there: each phase takes a decomposition.
+/// Largest number of coordinates for which other studies compute the resonance over the mesh cycle: each phase takes a
+/// decomposition.
 const FEW_OVER_CYCLE: usize = 150;
 
-/// The mesh mode of a scene with loads, where its loaded state was found.
+/// The mesh mode of a loaded scene in its equilibrium.
 pub fn mesh_mode_of(
     label: &str,
     scene: &mut Scene,
@@ -107,7 +108,7 @@ pub fn mesh_mode(
     Some(with_resonance(mode, of_cycle))
 }
 
-/// A mesh mode with the resonance over the cycle.
+/// Adds the resonance over the cycle to a mesh mode.
 pub fn with_resonance(mode: MeshMode, found: Option<Resonance>) -> MeshMode {
     let found = found.filter(|_| mode.frequency_hz.is_some());
     MeshMode {

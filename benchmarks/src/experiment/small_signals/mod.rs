@@ -1,4 +1,4 @@
-//! Scenes in the equilibrium of their loads, and to first order there.
+//! Linearised scenes: equilibrium under the loads, natural modes and frequency response.
 //!
 //! | module | owns |
 //! |---|---|
@@ -33,13 +33,13 @@ use gearbench_models::gear::table::Model;
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{Load, Modelling, Mount, Profile, SceneSpec, StationMember};
 
-/// Coordinates that a scene may have: matrices are dense.
+/// Largest number of coordinates of a scene, as its matrices are dense.
 pub const MOST: usize = 1500;
 
-/// Why a scene has no loaded state.
+/// Reason why a scene has no loaded state.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum NotSolved {
-    /// A matrix is none to work with.
+    /// A matrix is singular or not definite.
     #[error("{0}")]
     Matrices(&'static str),
     /// No equilibrium was found.
@@ -52,22 +52,22 @@ pub enum NotSolved {
     Unbalanced {
         /// Number of Newton steps taken.
         steps: u32,
-        /// Largest force that is not balanced, over the largest load.
+        /// Largest residual force, relative to the largest load.
         imbalance: f64,
-        /// The member of the scene that it acts on.
+        /// The member on which the largest residual force acts.
         at: String,
     },
-    /// The user ended it.
+    /// The user interrupted the search.
     #[error("interrupted")]
     Interrupted,
-    /// The scene is too large.
+    /// The scene has too many coordinates.
     #[error(
         "it has {0} coordinates, but dense matrices have at most {MOST}; use elastic gears with fewer modes"
     )]
     TooLarge(usize),
 }
 
-/// The scene with its loads and motions as they are in the end.
+/// The scene with constant loads and motions, equal to their final values.
 pub fn settled(spec: &SceneSpec) -> SceneSpec {
     let mut spec = spec.clone();
     let constant = |p: &mut Profile| *p = Profile::Constant(p.settled());
@@ -103,7 +103,7 @@ pub fn has_loads(spec: &SceneSpec, t: f64) -> bool {
     gears.chain(bodies.flat_map(|b| &b.loads)).any(acts)
 }
 
-/// Assembles a scene as it starts: where a mesh asks for it in the equilibrium of its loads at time zero.
+/// Assembles a scene in its initial state, which is the equilibrium of its loads at time zero where a mesh requires it.
 ///
 /// # Errors
 /// [`BuildError`], also of a scene that has no such equilibrium.

@@ -19,21 +19,21 @@ use gearbench_models::scene::Scene;
 use nalgebra::{Complex, DMatrix, DVector};
 use std::f64::consts::TAU;
 
-/// Coupling of modes by dampers, over the largest damping, that counts as none.
+/// Coupling of modes by dampers, relative to the largest damping, that counts as zero.
 const COUPLED: f64 = 1e-9;
 
 type C = Complex<f64>;
 
-/// A force on the ground that is looked at: its rows over displacements and velocities, and its part of the mesh forces.
+/// A force on the ground as linear function of displacements, velocities and mesh forces.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct GroundForce {
-    /// Index of the gear.
+    /// Index of the gear in the scene.
     pub gear: usize,
-    /// Rows of its two directions across the axis over displacements [N/m].
+    /// Stiffness rows of both directions across the axis over displacements [N/m].
     pub stiffness: [Vec<f64>; 2],
-    /// Over velocities [N s/m].
+    /// Damping rows of both directions over velocities [N s/m].
     pub damping: [Vec<f64>; 2],
-    /// Of mesh forces, by mesh [-].
+    /// Share of each mesh force in both directions [-].
     pub of_meshes: [Vec<f64>; 2],
 }
 
@@ -42,9 +42,9 @@ pub struct GroundForce {
 pub struct MeshAnswer {
     /// Index of the mesh in the scene.
     pub mesh: usize,
-    /// Transmission error about its mean, through a cycle [m].
+    /// Transmission error without its mean over a mesh cycle [m].
     pub error: Vec<f64>,
-    /// Force through a cycle [N].
+    /// Mesh force over a mesh cycle [N].
     pub force: Vec<f64>,
 }
 
@@ -53,30 +53,30 @@ pub struct MeshAnswer {
 pub struct Answer {
     /// Mesh frequency [Hz].
     pub frequency: f64,
-    /// Meshes of the group.
+    /// Responses of the meshes of the group.
     pub meshes: Vec<MeshAnswer>,
-    /// Forces on the ground about their mean, two directions through a cycle [N].
+    /// Forces on the ground without their mean, two directions over a mesh cycle [N].
     pub grounds: Vec<[Vec<f64>; 2]>,
 }
 
-/// The scene without the meshes of a group, in the modes of what is left.
+/// The scene without the meshes of a group, in modal coordinates.
 struct Rest {
     squares: Vec<f64>,
     damping: DMatrix<f64>,
     /// True if dampers couple the modes.
     coupled: bool,
-    /// Rows of flanks of the group, mode by mode.
+    /// Closing of the flanks of each mesh by the modes.
     flanks: Vec<DVector<f64>>,
     hubs: Vec<DVector<f64>>,
     grounds: Vec<[[DVector<f64>; 2]; 2]>,
 }
 
-/// The response to the meshes of a group.
+/// Frequency response of a scene to the meshes of a group.
 pub struct Response<'a> {
     cycle: &'a MeshCycle,
     grounds: &'a [GroundForce],
     rest: Rest,
-    /// Answer of teeth and modes of each mesh to its own force, slowly [m/N].
+    /// Quasi-static compliance of teeth and modes of each mesh under its own force [m/N].
     slowly: Vec<f64>,
 }
 
@@ -111,7 +111,7 @@ fn slowly(
 }
 
 impl<'a> Response<'a> {
-    /// Of one of the cycles of a scene that runs.
+    /// Prepares the response to one mesh cycle of a scene in quasi-static motion.
     ///
     /// # Errors
     /// [`NotSolved`] where matrices are none to work with.
@@ -168,12 +168,12 @@ impl<'a> Response<'a> {
         dot(&self.rest.flanks[mesh], answer) - dot(&self.rest.hubs[mesh], answer)
     }
 
-    /// Phases of the cycle.
+    /// Number of phases of the cycle.
     fn phases(&self) -> usize {
         self.cycle.phases[0].len()
     }
 
-    /// At a mesh frequency [Hz]; None where the balance has no solution.
+    /// Computes the response at a mesh frequency [Hz]; `None` if the harmonic balance has no solution.
     pub fn at(&self, frequency: f64) -> Option<Answer> {
         let (p, meshes) = (self.phases(), self.cycle.meshes.len());
         let omega = TAU * frequency;
@@ -270,13 +270,13 @@ fn mean_of<T>(all: &[T], of: impl Fn(&T) -> f64) -> f64 {
     all.iter().map(of).sum::<f64>() / all.len() as f64
 }
 
-/// A real row on a complex motion.
+/// Product of a real row and a complex vector.
 fn dot(row: &DVector<f64>, x: &DVector<C>) -> C {
     row.iter().zip(x).map(|(r, x)| x * *r).sum()
 }
 
 impl Rest {
-    /// Motions by unit forces of the meshes at an angular frequency.
+    /// Modal motions under unit forces of the meshes at an angular frequency [rad/s].
     fn answers(&self, omega: f64) -> Option<Vec<DVector<C>>> {
         let n = self.squares.len();
         let own = |i: usize| {
@@ -299,13 +299,14 @@ impl Rest {
     }
 }
 
-/// First column of the matrix that multiplies the harmonics `1 ..` of so many samples by a factor, and takes the mean out.
+/// First column of the circulant matrix that multiplies the harmonics `1 ..` of `p` samples by a factor and removes
+/// their mean.
 fn circulant(p: usize, factor: impl Fn(usize) -> C) -> Vec<f64> {
     let harmonics = (p - 1) / 2;
     waves(p, harmonics, &|k| factor(k) * (2.0 / p as f64))
 }
 
-/// The matrix of a first column.
+/// The circulant matrix with a first column.
 fn square(column: &[f64]) -> DMatrix<f64> {
     let p = column.len();
     DMatrix::from_fn(p, p, |i, j| column[(p + i - j) % p])

@@ -1,4 +1,4 @@
-//! Labels that only a comparison gives: against the tolerance of the scene, and against the model's own converged solution.
+//! Statuses that follow from a comparison: with the tolerance of the scene, or with the model's own converged solution.
 
 use gearbench_reports::Adequacy;
 use gearbench_reports::comparison::Yardstick;
@@ -6,8 +6,7 @@ use gearbench_reports::numbers::{digits_apart, short};
 use gearbench_reports::record::{Run, SELF, Status, Tolerance};
 use gearbench_reports::series::TimeSeries;
 
-/// Error in the L1 norm against the model's own converged solution from which on a run is inaccurate where the scene does
-/// not say [-].
+/// Default limit of the L1 error against the model's own converged solution, above which a run is inaccurate [-].
 pub const OWN_ERROR: f64 = 0.05;
 
 /// Judges a run that reached its end, once its metrics are there: by the tolerance of the scene and the own error of the
@@ -131,10 +130,10 @@ fn by_own_solution(run: &Run, missing: Option<&str>) -> Verdict {
     }
 }
 
-/// Errors in the L1 norm from which on a reader wants to know whether it is another sequence of contacts [-].
+/// L1 error above which a different sequence of contacts is reported [-].
 const OTHER_CONTACTS: f64 = 0.01;
 
-/// When the force of a history first acts [s].
+/// Time of the first contact in a force history [s].
 fn first_touch(series: &TimeSeries) -> Option<f64> {
     match &series.force {
         Some(force) => force.begins(),

@@ -1,4 +1,4 @@
-//! How a run ended: one label for every way a run can go wrong, with when, how much, and a way out.
+//! Status of a run: one label for every kind of failure, with time, magnitude and advice.
 //!
 //! | label | when |
 //! |---|---|
@@ -35,11 +35,11 @@ use std::time::{Duration, Instant};
 pub use compared::{OWN_ERROR, against_contact, judge};
 pub use tunnelling::TunnellingDetector;
 
-/// Energy that the integration may make up, over the largest energy, before a run counts as growth.
+/// Unexplained energy, relative to the largest energy, above which a run counts as growing.
 pub const ENERGY_GROWTH: f64 = 0.02;
-/// Made-up share of the energy at which a run is beyond saving and stops.
+/// Unexplained energy, relative to the largest energy, above which a run is stopped.
 pub const HOPELESS: f64 = 0.5;
-/// Energy at that moment, over what the start and the loads put in, that is a blow-up.
+/// Energy, relative to the energy supplied by start and loads, above which a stopped run counts as blown up.
 pub const BLOWN_UP: f64 = 1e3;
 /// Pull on a contact, over the peak force, before a run counts as adhesive. The interpolant of a coarse step may
 /// dip a little below zero just before the contact opens; the law itself never pulls.
@@ -89,14 +89,14 @@ pub fn message_of(e: &StepError, fixed: bool) -> String {
     }
 }
 
-/// Something that went wrong during a run.
+/// A failure or defect of a run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Finding {
     /// Time of the finding [s].
     pub time: f64,
     /// Status of the run that the finding causes.
     pub status: Status,
-    /// When, how much, and a way out.
+    /// Message with time, magnitude and advice.
     pub message: String,
 }
 
@@ -110,19 +110,20 @@ pub struct RunMonitor {
     tunnelling: TunnellingDetector,
     /// Channels of the mesh forces.
     forces: Vec<usize>,
-    /// Since when more than [`ENERGY_GROWTH`] of the energy is made up [s].
+    /// Time from which the unexplained energy exceeds [`ENERGY_GROWTH`] [s].
     growth: Option<f64>,
     stopped: Option<(f64, f64)>,
-    /// The method keeps its step.
+    /// True if the method has a fixed step.
     fixed: bool,
     /// True if events are located.
     located: bool,
-    /// Wall time of watching, which neither the cost of a run nor its bound of time contains.
+    /// Wall time of the monitor, which counts neither as cost of the run nor against its time bound.
     pub spent: Duration,
 }
 
 impl RunMonitor {
-    /// Watches a scene on an ascending grid of times [s]; `also_steps` records the accepted steps in contact as well.
+    /// Creates a monitor of a scene with ascending sampling times [s]; `also_steps` records the accepted steps in
+    /// contact as well.
     pub fn new(spec: &SceneSpec, scene: &Scene, grid: Vec<f64>, also_steps: bool) -> Self {
         RunMonitor {
             history: History::whole(scene, grid, also_steps),
@@ -196,7 +197,7 @@ impl RunMonitor {
         }
     }
 
-    /// All that went wrong, one for each kind.
+    /// All findings of a run, one for each kind.
     fn findings(&self, end: f64) -> Vec<Finding> {
         let mut found = Vec::new();
         if let Some(time) = self.growth {
@@ -267,7 +268,7 @@ impl RunMonitor {
     }
 }
 
-/// The gears of a scene that turn together: those that meshes join.
+/// Groups of gears that meshes connect, for their energy balance.
 fn rotations(spec: &SceneSpec, scene: &Scene) -> Vec<Rotation> {
     let mut ratios: Vec<Option<f64>> = vec![None; spec.gears.len()];
     let mut all = Vec::new();

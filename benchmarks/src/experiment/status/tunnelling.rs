@@ -1,4 +1,4 @@
-//! Contacts that a run missed.
+//! Detection of missed contacts (tunnelling).
 //!
 //! The displacements of two hubs say how far the flanks of rigid teeth would have moved into each other along the line of
 //! action: the approach less the gap they started with, or, on the other flank, less the rest of the backlash. Elastic
@@ -23,34 +23,34 @@ const PASSED: f64 = 0.1;
 const UNSEEN: f64 = 0.03;
 /// Overlap without a force that no relief explains, in typical deflections of the scene; it decides for soft contacts.
 const DEFLECTIONS: f64 = 4.0;
-/// A return point counts from this part of the typical deflection on.
+/// Overlap at a point of return, in typical deflections, from which on a contact counts as missed.
 const GRAZE: f64 = 0.01;
-/// Change of speed beyond what loads make, over the change, that shows a force.
+/// Change of speed beyond that by loads, relative to the total change, that indicates a contact force.
 const FELT: f64 = 0.25;
 
-/// A mesh as rigid geometry.
+/// Rigid geometry of a mesh.
 struct Pair {
     hubs: [(Hub, Range<usize>); 2],
-    /// Approach along the normal of the flanks by unit displacement of each hub.
+    /// Approach along the flank normal by unit displacement of each hub [m].
     effective_radii: [f64; 2],
-    /// And by its lateral directions.
+    /// Approach along the flank normal by unit displacement in the out-of-plane directions of each hub.
     lateral: [[f64; 6]; 2],
-    /// Gap at the start, and backlash, along the normal of the flanks [m].
+    /// Gap at the start, and backlash, along the flank normal [m].
     gap: f64,
     backlash: f64,
     module: f64,
     displacement: [usize; 2],
-    /// Coordinate and channel of the carrier that the gears are seen from, of a planetary set.
+    /// Coordinate and channel of the carrier of a planetary set, relative to which the gears move.
     carrier: Option<[usize; 2]>,
-    /// Channels of the lateral directions, the first five.
+    /// Channels of the first five out-of-plane directions.
     sideways: [Vec<usize>; 2],
     force: usize,
-    /// Change of the approach's rate by loads alone [m/s^2], from the last step without contact.
+    /// Rate of change of the approach velocity by loads alone [m/s^2], from the last step without contact.
     free: Option<f64>,
 }
 
 impl Pair {
-    /// Approach and its rate.
+    /// Approach [m] and its rate [m/s].
     fn at(&self, s: &State) -> [f64; 2] {
         let mut sum = [0.0; 2];
         if let Some([carrier, _]) = self.carrier {
@@ -74,13 +74,13 @@ impl Pair {
         sum
     }
 
-    /// Overlap on whichever flank is nearer [m], negative when both are apart.
+    /// Overlap on the closer flank [m]; negative if both flanks are apart.
     fn depth(&self, approach: f64) -> f64 {
         (approach - self.gap).max(-approach - (self.backlash - self.gap))
     }
 }
 
-/// Follows the meshes of a run.
+/// Detects missed contacts of the meshes of a run.
 pub struct TunnellingDetector {
     pairs: Vec<(usize, Pair)>,
     /// Names of the gears of each mesh.
@@ -89,7 +89,7 @@ pub struct TunnellingDetector {
     /// Mesh, time [s] and overlap [m] of the first contact in which teeth passed through each other.
     passed: Option<(usize, f64, f64)>,
     grazed: Option<(usize, f64, f64)>,
-    /// Mesh, time and overlap where it was largest, beyond a tenth of the module.
+    /// Mesh, time [s] and overlap [m] of the largest overlap above a tenth of the module.
     deepest: Option<(usize, f64, f64)>,
     inside: State,
     out: Outputs,
@@ -166,7 +166,7 @@ impl TunnellingDetector {
         }
     }
 
-    /// Looks at an accepted step.
+    /// Checks an accepted step.
     pub fn accepted(&mut self, sys: &mut dyn SecondOrderSystem, step: &AcceptedStep<'_>) {
         let h = step.to.t - step.from.t;
         for (m, pair) in &mut self.pairs {

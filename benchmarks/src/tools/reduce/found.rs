@@ -4,7 +4,7 @@ use super::report::some;
 use gearbench_reference::recognise::{RecognisedBody, RecognisedGear, RecognisedRack};
 use serde_json::{Value, json};
 
-/// A number with so many digits, without the sign of a zero.
+/// Formats a number with a number of decimals, without the sign of a zero.
 pub(super) fn digits(x: f64, digits: usize) -> String {
     let text = format!("{x:.digits$}");
     match text.strip_prefix('-') {
