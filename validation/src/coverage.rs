@@ -1,4 +1,4 @@
-//! Do the 95 % intervals of `gearbench identify` hold the truth?
+//! Coverage of the 95 % confidence intervals of `gearbench identify` on synthetic data.
 //!
 //! A model with the constants of its calibration makes a reference impact. Sets of data are made of it: the history is
 //! shifted by an offset of the clock that nobody knows, and noise is added that has the spectrum of what the fit to the
@@ -17,15 +17,15 @@ use gearbench_reference::reference;
 use gearbench_reports::identify::Outcome;
 use std::fmt::Write as _;
 
-/// Greatest offset of a clock, either way [s].
+/// Largest offset of a clock in either direction [s].
 const OFFSET: f64 = 2e-6;
 
 /// The scene, model and number of data sets of a coverage check.
 #[derive(Clone, Debug)]
 pub struct Plan {
-    /// Scene with a stored reference.
+    /// Name of a scene with a stored reference.
     pub scene: String,
-    /// Label of a calibrated model.
+    /// Label of a model with a calibration.
     pub model: String,
     /// Number of synthetic data sets.
     pub sets: usize,
@@ -33,7 +33,7 @@ pub struct Plan {
     pub seed: u64,
 }
 
-/// A parameter of one set: what is true, what was found.
+/// A parameter of one data set: true value, fitted value and interval.
 #[derive(Clone, Debug)]
 pub struct Row {
     /// Number of the set, from 1.
@@ -44,18 +44,19 @@ pub struct Row {
     pub truth: f64,
     /// Fitted value; `None` if the fit reports that the data do not determine it.
     pub found: Option<f64>,
-    /// Ends of the interval.
+    /// Lower and upper end of the confidence interval.
     pub interval: [f64; 2],
 }
 
 impl Row {
-    /// The interval holds the truth; one that is not given makes no claim.
+    /// True if the interval contains the true value; an interval that the fit does not give is unbounded.
     pub fn holds(&self) -> bool {
         (self.interval[0]..=self.interval[1]).contains(&self.truth)
     }
 }
 
-/// Parts of the sets whose intervals hold, by parameter.
+/// Coverage by parameter: key, share of intervals that contain the true value, and number of sets without a fitted
+/// value.
 pub fn coverage(rows: &[Row]) -> Vec<(String, f64, usize)> {
     let mut keys: Vec<&str> = Vec::new();
     for row in rows {
@@ -72,7 +73,7 @@ pub fn coverage(rows: &[Row]) -> Vec<(String, f64, usize)> {
     keys.into_iter().map(of).collect()
 }
 
-/// Makes the sets and fits them.
+/// Generates the data sets and fits each of them.
 ///
 /// # Errors
 /// [`ValidationError`] where the scene has no such model or reference, or a fit fails.
@@ -169,7 +170,7 @@ pub fn check(plan: &Plan, mut done: impl FnMut(usize)) -> Result<Vec<Row>, Valid
     Ok(rows)
 }
 
-/// Noise with the autocovariance of residuals.
+/// Noise with the autocovariance of the residuals.
 fn moving_average(residuals: &[f64], random: &mut Random) -> Vec<f64> {
     let n = residuals.len();
     let white: Vec<f64> = (0..2 * n).map(|_| random.normal()).collect();
@@ -182,7 +183,7 @@ fn moving_average(residuals: &[f64], random: &mut Random) -> Vec<f64> {
         .collect()
 }
 
-/// All rows as a table.
+/// All rows as CSV.
 pub fn csv(plan: &Plan, rows: &[Row]) -> String {
     let mut out = format!(
         "# gearbench-validation coverage {} --model {} --sets {} --seed {}\n",

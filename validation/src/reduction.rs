@@ -1,5 +1,5 @@
-//! Elastic gears held against full finite elements on the same mesh and contact, on random scenes: does every run end,
-//! and what do the modes that are cut cost?
+//! Error of modal reduction: elastic gears compared with full finite elements on the same mesh and contact, on random
+//! scenes.
 //!
 //! Gears that run under load are run for a mesh cycle, at the shorter of its 500th and a 100th of an impact; an impact is
 //! run whole, at a 500th of its length, and hammering gears up to the end of their first impact.
@@ -40,20 +40,20 @@ use gearbench_reports::Metric;
 use std::fmt::Write as _;
 use std::sync::Arc;
 
-/// Modes of each elastic gear.
+/// Number of modes of each elastic gear.
 const MODES: usize = 150;
-/// Numerical damping of HHT-alpha.
+/// Parameter of the numerical damping of HHT-alpha.
 const ALPHA: f64 = 0.05;
-/// Steps of a mesh cycle, and of an impact; least steps of an impact within a mesh cycle.
+/// Number of steps of a mesh cycle, and of an impact.
 const STEPS: f64 = 500.0;
 /// Least number of steps of an impact within a mesh cycle; see [`STEPS`].
 const RESOLVED: f64 = 100.0;
-/// Gap at which no flanks of gears overlap any more, over the module: some times what splines overlap by; halvings of it
-/// that find where they just touch.
+/// Gap at which the flanks of the gears do not overlap, relative to the module; bisection from there finds the gap of
+/// first contact.
 const APART: f64 = 5e-4;
 /// Number of bisections of the gap; see [`APART`].
 const HALVINGS: u32 = 10;
-/// Greatest error of the force history that the reduction may have.
+/// Largest allowed relative L2 error of the force history.
 pub const LIMIT: f64 = 0.01;
 
 /// Errors of the elastic model in one scene against full finite elements.
@@ -63,13 +63,14 @@ pub struct Row {
     pub kind: String,
     pub duration_s: f64,
     pub step_s: f64,
-    /// How the runs of finite elements, of elastic gears, and of these under the trigonometric method ended.
+    /// Status of the runs of finite elements, of elastic gears, and of elastic gears under the trigonometric method.
     pub status: [String; 3],
-    /// Error of the force history in L2, where all ended: under the same method, and under the trigonometric one.
+    /// Relative L2 error of the force history, if all runs ended: under the same method, and under the trigonometric
+    /// one.
     pub error: [Option<f64>; 2],
     /// Change of the force history of the finite elements under twice the step, relative L2 norm.
     pub integration: Option<f64>,
-    /// Energy that each run made up (lost, below zero), over the most that vibrated.
+    /// Unexplained energy of each run (negative if lost), relative to the largest vibration energy.
     pub residual: [Option<f64>; 3],
 }
 
@@ -79,13 +80,13 @@ impl Row {
         self.error.iter().all(Option::is_some)
     }
 
-    /// The reduction costs no more than it may.
+    /// True if the error of the reduction is within [`LIMIT`].
     pub fn is_within(&self) -> bool {
         self.error[0].is_some_and(|e| e <= LIMIT)
     }
 }
 
-/// Runs a scene of a set both ways; the runner keeps every run that has ended.
+/// Runs a scene of a set with both models; the runner stores every finished run.
 ///
 /// # Errors
 /// [`ValidationError`]: a sampling that fails, a run that cannot start.
@@ -146,7 +147,7 @@ pub fn compare(
     })
 }
 
-/// Lets the loads come up within a mesh cycle, and starts the gears where the first point of their flanks just touches.
+/// Ramps the loads up over one mesh cycle, and starts the gears at first contact.
 fn start_gently(problem: &mut Problem, cycle: f64, module: f64) -> Result<(), ValidationError> {
     for gear in &mut problem.scene.gears {
         for load in &mut gear.loads {
@@ -184,7 +185,7 @@ fn start_gently(problem: &mut Problem, cycle: f64, module: f64) -> Result<(), Va
     Ok(())
 }
 
-/// A mesh cycle of a scene whose gears run [s], and their module [m].
+/// Period of the mesh cycle [s] and module [m] of a scene with running gears.
 fn mesh_cycle(problem: &Problem) -> Option<(f64, f64)> {
     let spec = &problem.scene;
     let [a, b] = spec.meshes.first()?.gears.map(|i| &spec.gears[i]);
@@ -198,7 +199,7 @@ fn mesh_cycle(problem: &Problem) -> Option<(f64, f64)> {
     ))
 }
 
-/// All rows as a table.
+/// All rows as CSV.
 pub fn csv(rows: &[Row]) -> String {
     let mut out = String::from(
         "scene,kind,duration_s,step_s,fe,elastic,elastic_trigonometric,force_l2,force_l2_trigonometric,\

@@ -1,10 +1,10 @@
-//! Ranges of the stiffness formulas, and where a scene leaves them.
+//! Validity ranges of the stiffness formulas, and warnings where a scene leaves them.
 
 use super::{ModelChoice, SceneError, SceneFile};
 use gearbench_models::spec::{Body, ContactSpec, SceneSpec, mesh_layout};
 use gearbench_models::stiffness::build_with_warnings;
 
-/// Limits of the stiffness formulas of a contact that the gears of its mesh do not keep, in words.
+/// Warnings on the limits of the stiffness formulas that the gears of a mesh exceed.
 pub(crate) fn formula_limits(
     spec: &SceneSpec,
     gears: [usize; 2],

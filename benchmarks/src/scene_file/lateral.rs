@@ -1,5 +1,4 @@
-//! How the hub of a gear may move beside its own turn or slide: `bearing`, `directions`, the body's mass and inertia, and the
-//! direction of its axis.
+//! Out-of-plane motion of a hub: `bearing`, `directions`, mass and inertia of the body, and the direction of its axis.
 //!
 //! ```toml
 //! bearing = { stiffness = [1e8, 1e8, 5e7, 1e5, 1e5, 0.0], damping = [1e3, 1e3, 1e3, 1.0, 1.0, 0.0] }
@@ -92,7 +91,7 @@ freedoms! {
     Tilt: Turning;
 }
 
-/// `[x, y]`, or `[x, y, z]` [m].
+/// Position of a gear: `[x, y]`, or `[x, y, z]` [m].
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Position(pub(super) [f64; 3]);
 
@@ -171,7 +170,7 @@ pub(super) struct LateralKeys {
     pub(super) spin: Option<Spin>,
 }
 
-/// One of six values or of a matrix.
+/// Reads a matrix from six diagonal values or from all values.
 fn matrix(
     key: &str,
     (values, matrix): (Option<[f64; 6]>, Option<[[f64; 6]; 6]>),
@@ -194,7 +193,7 @@ fn matrix(
     }
 }
 
-/// How a hub may move; `None` where its mount holds it as ever. `own` is the direction of its own motion.
+/// Reads the out-of-plane motion of a hub; `None` if its mount fixes all directions but its own motion (index `own`).
 pub(super) fn lateral(
     keys: LateralKeys,
     own: usize,

@@ -1,4 +1,4 @@
-//! Scene files: TOML in SI units (angles in degrees), read into the data of [`gearbench_models::spec::scene`].
+//! Scene files: TOML in SI units (angles in degrees), converted to [`gearbench_models::spec::scene`].
 //!
 //! | module | owns |
 //! |---|---|
@@ -114,10 +114,10 @@ keys! {
     }
 }
 
-/// The version of the format that this program reads.
+/// Version of the scene format that this program reads.
 pub const SCHEMA: u32 = 1;
 
-/// The version of a file, which has to be that one.
+/// Version of the format of a file, which must equal [`SCHEMA`].
 #[derive(Clone, Debug, Deserialize)]
 #[serde(try_from = "u32")]
 struct Schema;
@@ -132,7 +132,7 @@ impl TryFrom<u32> for Schema {
     }
 }
 
-/// A name that can be a folder.
+/// A name that is valid as name of a folder.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(try_from = "String")]
 struct SceneName(String);
@@ -152,10 +152,10 @@ impl TryFrom<String> for SceneName {
     }
 }
 
-/// Where a scene came from.
+/// Origin of a scene.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Origin {
-    /// Embedded in the program.
+    /// A scene that is embedded in the program.
     Shipped,
     /// A file of the user.
     File(PathBuf),
@@ -168,14 +168,14 @@ pub struct RefusedModel {
     pub label: String,
     /// Model id, as in the table of models.
     pub model: String,
-    /// Why, at the line of the scene, and a way out.
+    /// The reason at the line of the scene, with help.
     pub error: SceneError,
 }
 
-/// A scene file that has been read and found sound.
+/// A scene file that was read and checked.
 #[derive(Clone, Debug)]
 pub struct SceneFile {
-    /// Name, for folders and records.
+    /// Name of the scene, for folders and records.
     pub name: String,
     /// Title in one line.
     pub title: String,
@@ -190,13 +190,13 @@ pub struct SceneFile {
     pub tolerance: Option<Tolerance>,
     /// Gears, shafts and meshes.
     pub spec: SceneSpec,
-    /// Configurations to compare, at least one.
+    /// Models to compare, at least one.
     pub models: Vec<ModelChoice>,
     /// Defaults of studies of this scene.
     pub study: Study,
-    /// Files that measured flanks of its gears were read from.
+    /// Files from which measured flanks were read.
     pub flank_files: Vec<PathBuf>,
-    /// Where it came from.
+    /// Origin of the scene.
     pub origin: Origin,
     /// Warnings on values that are valid but implausible.
     pub odd: Vec<SceneError>,
@@ -206,7 +206,7 @@ pub struct SceneFile {
 }
 
 impl SceneFile {
-    /// Reads the text of a scene; `name` stands in refusals.
+    /// Parses the text of a scene; `name` is its name in errors.
     ///
     /// # Errors
     /// [`SceneError`] with line and a way out.
@@ -222,7 +222,7 @@ impl SceneFile {
         Ok(file)
     }
 
-    /// Reads a scene whose models need not be buildable.
+    /// Parses a scene without building its models.
     ///
     /// # Errors
     /// [`SceneError`]: what is wrong with the file, and where.
@@ -339,7 +339,7 @@ impl SceneFile {
         Ok(file)
     }
 
-    /// Refuses steps from the command line that are longer than the simulated time.
+    /// Refuses steps of the command line that are longer than the simulated time.
     ///
     /// # Errors
     /// [`SceneError`] with both.
@@ -404,17 +404,17 @@ impl SceneFile {
         self.refused.iter().any(|r| r.label == label)
     }
 
-    /// The text that it was read from.
+    /// The text of the scene file.
     pub fn text(&self) -> &str {
         self.document.text()
     }
 
-    /// A model by its label.
+    /// Returns a model by its label.
     pub fn model(&self, label: &str) -> Option<&ModelChoice> {
         self.models.iter().find(|m| m.label == label)
     }
 
-    /// Gears and meshes as a model needs them: a calibration brings its own gap at the start.
+    /// The gears and meshes for a model: a calibration may change the gap at the start.
     pub fn spec_for(&self, choice: &ModelChoice) -> SceneSpec {
         let mut spec = self.spec.clone();
         if let Some(gap) = choice.gap() {
@@ -425,8 +425,8 @@ impl SceneFile {
         spec
     }
 
-    /// Where the calibrations of this scene are written: beside a file; for a shipped scene in the folder
-    /// from which it is embedded, relative to the root of the repository.
+    /// Path to which calibrations of this scene are written: next to the file; for a shipped scene in the folder from
+    /// which it is embedded, relative to the root of the repository.
     pub fn calibration_path(&self) -> PathBuf {
         match &self.origin {
             Origin::Shipped => PathBuf::from(format!("benchmarks/calibrations/{}.toml", self.name)),
@@ -435,7 +435,7 @@ impl SceneFile {
     }
 }
 
-/// Words that a scene introduces itself, and those of the table of models.
+/// Names that the scene defines, and those of the table of models, by their type.
 fn known_words(scene: &DeTable<'_>) -> Vec<(&'static str, Vec<String>)> {
     let table = |key: &str| scene.get(key).and_then(|v| v.get_ref().as_table());
     let gears = table("gears").into_iter().flatten();

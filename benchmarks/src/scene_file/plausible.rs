@@ -30,18 +30,18 @@ use gearbench_models::spec::{Body, ContactSpec, GearSpec, Load, Mount, effective
 use gearbench_models::stiffness::{Material, PairStiffness};
 use gearbench_reports::numbers::short;
 
-/// Smallest pressure angle that a tool has [degrees].
+/// Smallest pressure angle of cutting tools [degrees].
 const LEAST_PRESSURE_ANGLE: f64 = 5.0;
 /// Surface speed above which hardly any gear runs [m/s].
 const FAST: f64 = 400.0;
-/// Angular frequency of a tooth over that of waves across its module from which on it is refused.
+/// Angular frequency of a tooth, relative to that of waves across its module, from which on it is refused.
 const STIFF_TOOTH: f64 = 1e3;
-/// Waves in materials of gears are hardly slower [m/s].
+/// Lower bound of the wave speed in gear materials [m/s].
 const SLOW: f64 = 500.0;
-/// Nominal stress of a tooth over Young's modulus that hardly any steel carries.
+/// Nominal tooth stress, relative to Young's modulus, above which a warning is given.
 const HEAVY: f64 = 0.01;
 
-/// A pressure angle that no tool has [rad]: most often one in radians.
+/// Refuses a pressure angle that no tool has [rad], most often one given in radians.
 ///
 /// # Errors
 /// [`SceneError`] with the angle in degrees.
@@ -65,7 +65,7 @@ pub(super) fn pressure_angle(angle: f64, gear: &Place<'_>) -> Result<(), SceneEr
     )
 }
 
-/// Checks a scene that has been read.
+/// Checks a scene; returns warnings, or the first error.
 ///
 /// # Errors
 /// [`SceneError`] of what cannot be; what is odd is returned.
@@ -100,7 +100,8 @@ pub(super) fn check(scene: &SceneFile) -> Result<Vec<SceneError>, SceneError> {
     Ok(odd)
 }
 
-/// Refuses a mesh both of whose gears move as they are prescribed to: no force moves anything, teeth go through each other.
+/// Refuses a mesh whose gears both have prescribed motions: forces could not move them, and teeth would pass through
+/// each other.
 ///
 /// # Errors
 /// [`SceneError`] at the mount of the second gear.
@@ -120,7 +121,7 @@ fn driven(scene: &SceneFile) -> Result<(), SceneError> {
     )
 }
 
-/// A tolerance of a relative error that accepts any result.
+/// Warns of a tolerance that accepts any result.
 fn tolerance(scene: &SceneFile, at: &Place<'_>) -> Option<SceneError> {
     let of = scene
         .tolerance
@@ -139,7 +140,7 @@ fn tolerance(scene: &SceneFile, at: &Place<'_>) -> Option<SceneError> {
     Some(place.error(message, "odd", odd.help_text().unwrap_or_default()))
 }
 
-/// Teeth of a model that vibrate faster than those of any material.
+/// Refuses tooth springs that vibrate faster than teeth of any material.
 ///
 /// # Errors
 /// [`SceneError`] at the stiffness.
@@ -193,7 +194,7 @@ fn tooth_springs(scene: &SceneFile, model: &ModelChoice) -> Result<(), SceneErro
     Ok(())
 }
 
-/// Constants of an impact in a scene that runs under load: the mesh is then far too stiff.
+/// Warns of constants fitted to an impact in a scene that runs under load: the mesh is then far too stiff.
 fn calibrated(scene: &SceneFile, model: &ModelChoice, at: &Place<'_>) -> Option<SceneError> {
     let calibration = model.calibration.as_ref()?;
     let loaded = |g: &GearSpec| {
@@ -251,7 +252,7 @@ fn material(material: &Material, at: &Place<'_>, odd: &mut Vec<SceneError>) {
     odd.extend(DENSITY.odd(&at.key("density_kg_m3"), "density_kg_m3", material.density));
 }
 
-/// Surface speed against the speed of sound.
+/// Compares the surface speed with the speed of sound.
 fn speed(gear: &GearSpec, at: &Place<'_>, odd: &mut Vec<SceneError>) -> Result<(), SceneError> {
     let driven = match &gear.mount {
         Mount::Driven(motion) => Some(motion.greatest()),
@@ -289,7 +290,7 @@ fn speed(gear: &GearSpec, at: &Place<'_>, odd: &mut Vec<SceneError>) -> Result<(
     Ok(())
 }
 
-/// Nominal stress of the teeth under each load against Young's modulus.
+/// Compares the nominal tooth stress under each load with Young's modulus.
 fn loads(gear: &GearSpec, at: &Place<'_>, odd: &mut Vec<SceneError>) -> Result<(), SceneError> {
     let (module, width) = match &gear.body {
         Body::Gear(g) => (g.params().module, g.params().face_width),
@@ -326,7 +327,7 @@ fn loads(gear: &GearSpec, at: &Place<'_>, odd: &mut Vec<SceneError>) -> Result<(
     Ok(())
 }
 
-/// Gears that do not mesh must have room beside each other, across their axes or along them.
+/// Refuses gears that overlap without meshing, across their axes and along them.
 fn overlap(scene: &SceneFile) -> Result<(), SceneError> {
     let gears = &scene.spec.gears;
     let mesh = |a: usize, b: usize| {
@@ -372,7 +373,7 @@ fn overlap(scene: &SceneFile) -> Result<(), SceneError> {
     Ok(())
 }
 
-/// Fixed steps against the simulated time.
+/// Compares fixed steps with the simulated time.
 fn steps(schemes: &[Scheme], scene: &SceneFile, at: &Place<'_>) -> Result<(), SceneError> {
     for (i, scheme) in schemes.iter().enumerate() {
         if let Some(why) = too_long(scheme, scene.duration) {

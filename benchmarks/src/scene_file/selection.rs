@@ -1,10 +1,10 @@
-//! Models of a scene by their labels.
+//! Selection of models of a scene by their labels.
 
 use super::reading::suggest;
 use super::{ModelChoice, SceneError, SceneFile};
 
 impl SceneFile {
-    /// Models asked for on the command line, by labels between commas; `None` takes those of the study. Those that cannot run
+    /// Selects models by their labels, separated by commas; `None` selects those of the study. Models that cannot run
     /// the scene ([`SceneFile::refused`]) are left out.
     ///
     /// # Errors

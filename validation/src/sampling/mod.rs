@@ -1,4 +1,4 @@
-//! Scenes sampled at random, on which a choice of model is validated.
+//! Random scenes for the validation of model choices.
 //!
 //! A set has a seed; scene `n` of it follows from the seed and `n` alone. Gears come from a short list, everything else
 //! from distributions: approach speed `v`, added inertia, load, damping, backlash, start, mount, metric, tolerance.
@@ -34,40 +34,41 @@ use gearbench_reports::Metric;
 use random::Random;
 use sets::MOST_SAMPLES;
 
-/// Greatest `F / (b m_n)` [Pa]: some four times that is bending stress at the root.
+/// Largest load `F / (b m_n)` [Pa]; the bending stress at the tooth root is about four times as large.
 const BEARABLE: f64 = 150e6;
-/// Flight after an impact that belongs to the scene, over the length of the impact, and flight that there must be:
-/// softer gears part later.
+/// Time of flight after an impact that belongs to the scene, and required time of flight, relative to the duration of
+/// the impact: softer gears separate later.
 const AFTER: [f64; 2] = [0.35, 0.6];
-/// Flight before the first of several impacts, over the length of an impact, where it is run alone.
+/// Time of flight before the first of several impacts, relative to the duration of an impact, where that impact is run
+/// alone.
 const FLIGHT: f64 = 0.25;
-/// Part of the flight after the last of several impacts that belongs to the scene.
+/// Share of the time of flight after the last of several impacts that belongs to the scene.
 const AFTER_LAST: f64 = 0.3;
-/// Part of the path of contact at either end where no impact starts: there the corners of tips touch.
+/// Share of the path of contact at either end in which no impact starts, as tip corners are in contact there.
 const PATH_MARGIN: f64 = 0.1;
 
-/// A scene that was sampled.
+/// A random scene with the question to its model choice.
 #[derive(Clone, Debug)]
 pub struct Sample {
-    /// Its number in the set, from 1.
+    /// Number of the scene in its set, from 1.
     pub number: usize,
     pub kind: Kind,
-    /// Metric that is asked for.
+    /// Metric of the question.
     pub metric: Metric,
-    /// Greatest error that is accurate enough.
+    /// Largest error that counts as adequate.
     pub tolerance: f64,
-    /// Length of an impact by the estimate above [s].
+    /// Estimated duration of an impact [s].
     pub contact_time: f64,
-    /// Modes have damping of their own, which full finite elements do not know.
+    /// True if modes have modal damping, which full finite elements cannot have.
     pub damps_modes: bool,
     pub text: String,
     /// The scene of `text`; its models are read, but not built.
     pub scene: SceneFile,
-    /// Samples that were not sound.
+    /// Number of rejected samples before this one.
     pub rejected: u32,
 }
 
-/// Samples a scene of a set by its number, from 1.
+/// Samples the scene of a set with a number, from 1.
 ///
 /// # Errors
 /// [`SampleError`]: no such scene, or a sampling that breaks its own rules.
@@ -141,7 +142,7 @@ pub fn full_order(set: &Set) -> Result<Vec<usize>, SampleError> {
     Ok(found)
 }
 
-/// The scene of sound parameters, or why they are not.
+/// Builds the scene of some parameters, or returns the reason for their rejection.
 fn sound(p: &Parameters) -> Result<Result<(String, SceneFile), &'static str>, SampleError> {
     let file = format!("{}-{}.toml", p.set, p.number);
     let parse = |text: &str| SceneFile::unbuilt(&file, text, Origin::Shipped, false);

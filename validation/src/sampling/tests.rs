@@ -6,7 +6,7 @@ use gearbench::models::models;
 use gearbench::scene_file::{Origin, SceneFile};
 use std::collections::BTreeSet;
 
-/// First numbers of SplitMix64 with the state 1234567, as published with its reference program.
+/// The first numbers are those of SplitMix64 with the state 1234567, as published with its reference program.
 #[test]
 fn random_numbers_are_those_of_the_generator() {
     let mut r = Random::new(1_234_567);
@@ -37,7 +37,7 @@ fn sets_are_known_by_name_and_number() {
     assert!(sample(&tuning, 0).is_err());
 }
 
-/// A scene follows from seed and number alone: whether others were sampled before makes no difference.
+/// A scene depends on seed and number alone, not on the scenes sampled before.
 #[test]
 fn scenes_are_reproducible_and_independent() {
     let tuning = set("tuning").unwrap();

@@ -12,14 +12,14 @@ use gearbench_models::spec::Modelling;
 use gearbench_reports::Metric;
 use std::time::{Duration, Instant};
 
-/// Bound of one integration of a reference.
+/// Bound on the time of one integration of a reference.
 pub const PATIENCE: Duration = Duration::from_secs(600);
-/// Time on a processor from which the ticks of its clock do not matter [s].
+/// Processor time above which the resolution of its clock is irrelevant [s].
 const TICKS: f64 = 0.05;
-/// Time that a batch of repeats takes at least [s].
+/// Least time of a batch of repeats [s].
 const BATCH: f64 = 2e-3;
 
-/// Times at which histories are compared: so many per contact time, within bounds.
+/// Times at which histories are compared: a fixed number per contact time, within bounds.
 pub fn grid(duration: f64, contact_time: f64) -> Vec<f64> {
     const SAMPLES: f64 = 64.0;
     const BOUNDS: [f64; 2] = [400.0, 8000.0];
@@ -34,7 +34,7 @@ pub fn grid(duration: f64, contact_time: f64) -> Vec<f64> {
 /// spin that fast pass by the thousand in every step. Costs nothing beside a step.
 const MEANINGLESS: f64 = 1e6;
 
-/// Watches a timed run for that alone.
+/// Stops a timed run with such speeds.
 #[derive(Default)]
 struct Guard {
     lost: bool,
@@ -51,8 +51,8 @@ impl Sink for Guard {
     }
 }
 
-/// A run of a problem's scene with models of one's own, whatever its end, however long it takes: what is told of it must
-/// not depend on how busy the machine is.
+/// Runs a scene of a problem with given models to any status, without a time bound: the result must not depend on the
+/// load of the machine.
 ///
 /// # Errors
 /// [`ValidationError`]: the run cannot start.
@@ -66,7 +66,7 @@ pub fn outcome(
     Ok(trial.observe(method, (problem.duration, times), false, NO_BOUND)?)
 }
 
-/// Error of a run against a reference; `None` where one of the two failed or has not the quantity.
+/// Error of a run against a reference; `None` if one of them failed or does not have the quantity.
 pub fn error(run: &Outcome, metric: Metric, reference: &Outcome) -> Option<f64> {
     let error = (reference.usable()).then(|| run.error(metric, reference));
     error.filter(|e| e.is_finite())
@@ -103,7 +103,8 @@ pub fn time(trial: &mut Trial<'_>, method: &Scheme, duration: f64, limit: Durati
     }
 }
 
-/// Times of two models under their methods [s], measured in turn so that the machine is the same for both: the medians.
+/// Times of two models under their methods [s]: medians of alternating runs, so that the machine is in the same state
+/// for both.
 pub fn side_by_side(
     a: (&mut Trial<'_>, &Scheme),
     b: (&mut Trial<'_>, &Scheme),

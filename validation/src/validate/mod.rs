@@ -1,4 +1,4 @@
-//! Choices validated: on random scenes, against a refined model over the whole scene, beside all other candidates.
+//! Validation of model choices on random scenes: every candidate is compared with a refined model over the whole scene.
 //!
 //! For a scene validation runs the reference, then every candidate there is: what it costs, and how far it is off. The
 //! cheapest that keeps the tolerance is what a choice can be at best. Candidates that cannot be the cheapest are not run
@@ -34,23 +34,24 @@ use measure::{error, side_by_side, time};
 pub use measure::{grid, outcome};
 use std::time::{Duration, Instant};
 
-/// Cost over that of the cheapest adequate candidate beyond which dearer kin of a candidate is not run.
+/// Cost, relative to the cheapest adequate candidate, above which a more expensive variant of a candidate is not run.
 const DEARER: f64 = 3.0;
-/// Cost over that of the cheapest adequate candidate up to which errors are looked at: first times are rough.
+/// Cost, relative to the cheapest adequate candidate, up to which errors are evaluated: the first measured times are
+/// rough.
 const NEAR: f64 = 1.3;
-/// Part of the tolerance that the mesh of a scene may be off so that candidates on the finer one are left out.
+/// Error of the scene's mesh, as share of the tolerance, up to which candidates on the finer mesh are left out.
 const OF_MESH: f64 = 0.25;
-/// Bounds of a timed run: while nothing is adequate, and over the cheapest adequate one.
+/// Upper bound on the time of any timed run.
 const LONGEST: Duration = Duration::from_secs(20);
-/// See [`LONGEST`]; and what the clock of a busy machine may be off [s].
+/// Time bound relative to the cheapest adequate candidate, and clock error of a busy machine [s]; see [`LONGEST`].
 const TIMES_CHEAPEST: (f64, f64) = (5.0, 0.05);
 
-/// Why a scene could not be validated, or a set not be gone through.
+/// Reason why a scene could not be validated, or a set not be completed.
 #[derive(Debug, thiserror::Error)]
 pub enum ValidationError {
     #[error(transparent)]
     Sample(#[from] SampleError),
-    /// A run could not start, or was stopped.
+    /// A run could not start, or was stopped by the user.
     #[error(transparent)]
     Run(#[from] RunError),
     #[error(transparent)]
@@ -106,7 +107,7 @@ fn gears(sample: &Sample) -> String {
     format!("{}, m = {:.1} mm", teeth.join("/"), 1e3 * module)
 }
 
-/// A candidate that keeps the tolerance.
+/// The cheapest candidate within the tolerance so far.
 struct Best {
     index: usize,
     cost: f64,
@@ -279,12 +280,12 @@ fn put_cheapest(row: &mut ValidatedChoice, c: &Candidate, error: f64, cost: Opti
 /// Verdicts on candidates in the table.
 const ADEQUATE: &str = "adequate";
 const INADEQUATE: &str = "inadequate";
-/// It costs more than the cheapest adequate one.
+/// Verdict on a candidate that costs more than the cheapest adequate one.
 const DEAR: &str = "dearer";
-/// Its kin is far dearer than the cheapest adequate one.
+/// Verdict on a candidate with a variant that is far more expensive than the cheapest adequate one.
 const SKIPPED: &str = "skipped";
 
-/// Tries one candidate and keeps the best so far up to date.
+/// Runs one candidate and updates the best one.
 fn try_one(
     (problem, all, index): (&Problem, &[Candidate], usize),
     before: &[TriedCandidate],

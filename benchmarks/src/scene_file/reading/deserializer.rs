@@ -1,4 +1,4 @@
-//! The deserializer of a TOML value with its place.
+//! Deserialiser of a TOML value with its place in the file.
 //!
 //! Beyond serde's data model it reads three kinds of enumerations, which the format writes as plain TOML:
 //!
@@ -259,7 +259,7 @@ impl<'d> Deserializer<'d> for Node<'d> {
     }
 }
 
-/// Members of a list.
+/// Sequence access over the members of a list.
 struct Members<'d>(std::vec::IntoIter<Node<'d>>);
 
 impl<'d> SeqAccess<'d> for Members<'d> {
@@ -275,7 +275,7 @@ impl<'d> SeqAccess<'d> for Members<'d> {
     }
 }
 
-/// Entries of a table.
+/// Map access over the entries of a table.
 struct Entries<'d> {
     of: Node<'d>,
     left: std::vec::IntoIter<Node<'d>>,
@@ -326,7 +326,7 @@ impl<'d> MapAccess<'d> for Entries<'d> {
     }
 }
 
-/// The variant of an enumeration, and what belongs to it.
+/// Enum access: a variant and its content.
 struct Choice<'d> {
     variant: &'static str,
     content: Node<'d>,
@@ -345,7 +345,7 @@ impl<'d> EnumAccess<'d> for Choice<'d> {
 impl<'d> VariantAccess<'d> for Choice<'d> {
     type Error = Flaw;
 
-    /// A table with a tag may hold nothing beside it.
+    /// Checks that a table with a tag has no other keys.
     fn unit_variant(self) -> Result<(), Flaw> {
         match self.content.entries()?.first() {
             Some(more) => Err(Flaw::Placed(self.content.unknown_key(more, &[], None))),

@@ -7,15 +7,15 @@ use std::fmt::{self, Display};
 /// An error in a value of the file.
 #[derive(Debug)]
 pub(super) enum Flaw {
-    /// With its place: nothing is added on the way out.
+    /// An error that has its place already.
     Placed(SceneError),
-    /// A key that the table does not have.
+    /// A key that the table does not know.
     UnknownKey,
-    /// A key that has to be there.
+    /// A required key that is missing.
     Missing(&'static str),
-    /// A word that is none of the known ones.
+    /// A word that is not among the valid ones.
     UnknownWord(String, &'static [&'static str]),
-    /// Another value than was expected.
+    /// A value of another type or range than expected.
     Expected(String),
     /// A message in a full sentence.
     Said(String),

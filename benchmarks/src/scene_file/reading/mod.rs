@@ -1,4 +1,4 @@
-//! TOML into types by serde, with refusals that say line, cause and way out.
+//! Deserialisation of TOML by serde, with errors that name line, cause and help.
 //!
 //! | module | owns |
 //! |---|---|

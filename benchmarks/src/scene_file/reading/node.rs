@@ -1,4 +1,4 @@
-//! A TOML value with its place, and refusals of what is found there.
+//! A TOML value with its place, and errors about it.
 
 use super::super::error::{SceneError, Source};
 use super::flaw::Flaw;
@@ -12,7 +12,7 @@ use toml::de::DeValue;
 #[derive(Debug)]
 pub(super) struct Context<'d> {
     pub(super) source: &'d Source,
-    /// Words that are known, by the name of the newtype that takes them.
+    /// Valid names, by the newtype that reads them.
     pub(super) known: Vec<(&'static str, Vec<String>)>,
 }
 
@@ -23,7 +23,7 @@ impl Context<'_> {
     }
 }
 
-/// A value, the key that leads to it, and where it stands.
+/// A value with its key and its place in the file.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Node<'d> {
     pub(super) context: &'d Context<'d>,
@@ -31,9 +31,9 @@ pub(super) struct Node<'d> {
     pub(super) meaning: &'static str,
     pub(super) value: &'d DeValue<'d>,
     pub(super) at: (usize, usize),
-    /// Member of a list, which has no key of its own.
+    /// True for a member of a list, which has no key of its own.
     pub(super) member: bool,
-    /// Key that has been read already: the tag of an enumeration.
+    /// Key that was read already: the tag of an enumeration.
     pub(super) tag: Option<&'static str>,
     pub(super) distinct: bool,
 }
@@ -83,7 +83,7 @@ impl<'d> Node<'d> {
         Err(Flaw::Placed(self.error(message, label, help)))
     }
 
-    /// The meaning of the key, as a way out.
+    /// The help for a value: the meaning of its key.
     pub(super) fn help(&self) -> String {
         match self.meaning {
             "" => String::new(),
@@ -91,7 +91,7 @@ impl<'d> Node<'d> {
         }
     }
 
-    /// How a table is called: by its header, else by its key.
+    /// Name of a table in errors: its header, else its key.
     pub(super) fn called(&self) -> String {
         let text = self.context.source.text();
         let header = text.get(self.at.0..self.at.1).unwrap_or_default();
@@ -102,7 +102,7 @@ impl<'d> Node<'d> {
         }
     }
 
-    /// Gives a flaw of this value its place.
+    /// Adds the place of this value to an error.
     pub(super) fn place(&self, flaw: Flaw) -> SceneError {
         match flaw {
             Flaw::Placed(e) => e,
@@ -137,7 +137,7 @@ impl<'d> Node<'d> {
         )
     }
 
-    /// A key that this table does not have.
+    /// The error for an unknown key of this table.
     pub(super) fn unknown_key(
         &self,
         entry: &Node<'_>,
@@ -188,7 +188,7 @@ impl<'d> Node<'d> {
         }
     }
 
-    /// Entries of a table in the order of the file, the tag left out.
+    /// Entries of a table in the order of the file, without the tag.
     pub(super) fn entries(&self) -> Result<Vec<Node<'d>>, Flaw> {
         let DeValue::Table(table) = self.value else {
             return self.expected("a table");
@@ -229,7 +229,7 @@ pub(super) fn finite(value: &DeValue<'_>) -> Option<f64> {
     x.is_finite().then_some(x)
 }
 
-/// A value in words.
+/// Describes a value by its type.
 fn found(value: &DeValue<'_>) -> String {
     match value {
         DeValue::String(s) => format!("the text \"{}\"", s.chars().take(40).collect::<String>()),

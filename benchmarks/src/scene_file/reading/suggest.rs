@@ -1,9 +1,9 @@
-//! "Did you mean": nearest known word, and keys whose unit is not the one of the scene format.
+//! Suggestions for unknown keys: nearest known word, renamed keys, and keys with another unit.
 
-/// Keys of earlier versions and what they are called now, for the tables that have the new key.
+/// Keys of earlier versions with their present names.
 const RENAMED: &[(&str, &str)] = &[("coast", "free_flight"), ("sleep", "vibration_cut_off")];
 
-/// Units that people write, what the format takes instead, and the factor between them.
+/// Suffixes of other units, the suffix of the format, and the factor between them.
 const UNITS: &[(&str, &str, f64)] = &[
     ("mm", "m", 1e-3),
     ("um", "m", 1e-6),
@@ -37,15 +37,15 @@ const UNITS: &[(&str, &str, f64)] = &[
     ("nm_per_rad_s", "nms_per_rad", 1.0),
 ];
 
-/// A quantity under another name than that of the format.
+/// A quantity under a name that is not a key of the format.
 struct Alias {
-    /// Names that people write.
+    /// Alternative names of the quantity.
     names: &'static [&'static str],
-    /// Keys that a table has where the name means this.
+    /// Keys that identify the table in which the name has this meaning.
     of: &'static [&'static str],
     /// The suggested text, with `#` in the place of the number.
     write: &'static str,
-    /// The number over the one that was written.
+    /// Factor from the given value to the value of the key.
     factor: f64,
 }
 
@@ -63,7 +63,7 @@ const fn alias(
     }
 }
 
-/// Other names of quantities, each with the keys that only the table has which the name is meant for.
+/// Alternative names of quantities, each with the keys that identify its table.
 #[rustfmt::skip]
 const ALIASES: &[Alias] = &[
     alias(&["torque_nm", "moment_nm", "load_nm"], &["loads", "speed_rad_s"], "loads = [{ torque_nm = # }]", 1.0),
@@ -108,7 +108,7 @@ fn other_name(unknown: &str, value: Option<f64>, known: &[&str]) -> Option<Strin
     Some(alias.write.replace('#', &number))
 }
 
-/// A number without the binary digits that a change of unit leaves behind.
+/// Rounds a number to remove rounding errors of a change of unit.
 fn number(x: f64) -> String {
     let short = format!("{x:.12e}").parse::<f64>();
     format!("{}", short.unwrap_or(x))
@@ -160,7 +160,7 @@ fn not_done(unknown: &str) -> Option<&'static str> {
     NOT_DONE.iter().find(asks).map(|(_, why)| *why)
 }
 
-/// Known key for an unknown one that differs in its unit only, with the factor to the known unit.
+/// Known key that differs from an unknown one in its unit only, with the factor to the known unit.
 fn other_unit<'k>(unknown: &str, known: &[&'k str]) -> Option<(&'k str, f64)> {
     for &key in known {
         for (from, to, factor) in UNITS {
@@ -174,7 +174,7 @@ fn other_unit<'k>(unknown: &str, known: &[&'k str]) -> Option<(&'k str, f64)> {
     None
 }
 
-/// Known key for an unknown one that lacks the unit: `module` for `module_m`.
+/// Known key for an unknown one without unit: `module_m` for `module`.
 fn without_unit<'k>(unknown: &str, known: &[&'k str]) -> Option<&'k str> {
     let mut found = known.iter().filter(|k| {
         k.strip_prefix(unknown).is_some_and(|rest| {
@@ -188,10 +188,10 @@ fn without_unit<'k>(unknown: &str, known: &[&'k str]) -> Option<&'k str> {
     }
 }
 
-/// Words longer than any key are near to none.
+/// Length of words above which no similar word is searched.
 const LONGEST: usize = 64;
 
-/// The known word that is nearest to an unknown one, if any is near.
+/// The known word nearest to an unknown one, if one is similar.
 fn nearest<'k>(unknown: &str, known: &[&'k str]) -> Option<&'k str> {
     known
         .iter()
@@ -205,12 +205,12 @@ fn nearest<'k>(unknown: &str, known: &[&'k str]) -> Option<&'k str> {
         .map(|(_, k)| k)
 }
 
-/// "did you mean" with the nearest known word, if any is near.
+/// Text "did you mean" with the nearest known word, if one is similar.
 pub(crate) fn did_you_mean(unknown: &str, known: &[&str]) -> String {
     nearest(unknown, known).map_or(String::new(), |n| format!("did you mean `{n}`? "))
 }
 
-/// The nearest known word, if any is near, and all of them.
+/// Text with the nearest known word, if one is similar, and all known words.
 pub(in super::super) fn there_are<K: AsRef<str>>(unknown: &str, known: &[K]) -> String {
     let known: Vec<&str> = known.iter().map(AsRef::as_ref).collect();
     format!(
@@ -220,7 +220,7 @@ pub(in super::super) fn there_are<K: AsRef<str>>(unknown: &str, known: &[K]) -> 
     )
 }
 
-/// Words in a sentence: `a`, `b` or `c`.
+/// Joins words in a sentence: `a`, `b` or `c`.
 pub(in super::super) fn words<K: AsRef<str>>(known: &[K]) -> String {
     listed(known, "or")
 }
@@ -349,7 +349,7 @@ mod tests {
         assert!(help("torque_nm", 5.0, &rack).starts_with("known are"));
     }
 
-    /// A name for a quantity is never the name of a key that the same table has.
+    /// No alternative name of a quantity is a key of the same table.
     #[test]
     fn other_names_are_no_keys() {
         use super::super::keys::tables;

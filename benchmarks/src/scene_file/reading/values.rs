@@ -1,4 +1,4 @@
-//! Values with limits, and words that the scene itself introduces.
+//! Values with limits, and names that the scene itself defines.
 
 use gearbench_integrators::spec::ids;
 use gearbench_integrators::{MethodError, MethodSpec};
@@ -38,9 +38,9 @@ limited! {
     Positive, "more than 0", |x| x > 0.0;
     /// A number of zero or more.
     NotNegative, "zero or more", |x| x >= 0.0;
-    /// A part of a whole, such as a tolerance.
+    /// A share between 0 and 1, such as a tolerance.
     Share, "more than 0 and less than 1", |x| x > 0.0 && x < 1.0;
-    /// A ratio of steps.
+    /// A ratio of step sizes.
     Factor, "more than 0 and less than 1000000", |x| x > 0.0 && x < 1e6;
 }
 
@@ -55,7 +55,7 @@ impl From<f64> for Degrees {
     }
 }
 
-/// A whole number between two limits.
+/// An integer between two limits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Count<const LEAST: u32, const MOST: u32>(pub(crate) usize);
 
@@ -95,7 +95,7 @@ words_of_the_scene! {
     CalibrationName, "<calibration>";
 }
 
-/// A list in which nothing stands twice.
+/// A list without duplicates.
 #[derive(Clone, Debug, PartialEq, serde::Deserialize)]
 #[serde(rename = "<distinct>")]
 pub(crate) struct Distinct<T>(pub(crate) Vec<T>);
@@ -107,7 +107,7 @@ impl Distinct<Label> {
     }
 }
 
-/// One, or a list.
+/// One value, or a list of values.
 #[derive(Clone, Debug, serde::Deserialize)]
 pub(crate) enum OneOrMany<T> {
     #[serde(rename = "<table>")]
@@ -116,7 +116,7 @@ pub(crate) enum OneOrMany<T> {
     Many(Vec<T>),
 }
 
-/// A table whose names the user chooses, in the order of the file.
+/// A table with user-defined names, in the order of the file.
 #[derive(Clone, Debug)]
 pub(crate) struct InOrder<T>(pub(crate) Vec<(String, T)>);
 

@@ -33,9 +33,9 @@ keys! {
 pub struct ConditionsOfGear {
     /// Index of the gear.
     pub gear: usize,
-    /// Initial speed, or the constant speed of a driven one [rad/s], [m/s] of a rack.
+    /// Initial speed, or the constant speed of a driven gear [rad/s]; of a rack [m/s].
     pub speed: Option<f64>,
-    /// Constant torque in place of its loads [N m], force of a rack [N].
+    /// Constant torque in place of the loads of the gear [N m]; force of a rack [N].
     pub load: Option<f64>,
 }
 
@@ -46,7 +46,7 @@ pub struct ReferenceConditions {
     pub duration: Option<f64>,
     /// Gap at the start of the first mesh [m].
     pub gap: Option<f64>,
-    /// Path coordinate at its start [m].
+    /// Path coordinate at the start of the first mesh [m].
     pub path_coordinate: Option<f64>,
     /// Centre distance of the only mesh [m].
     pub centre_distance: Option<f64>,
@@ -110,11 +110,11 @@ pub(super) fn read(
     }
 }
 
-/// The key at fault, why, a way out.
+/// Key with the error, message and help.
 pub type Trouble = (String, String, String);
 
 impl ReferenceConditions {
-    /// Puts a scene under these conditions.
+    /// Applies the conditions to a scene.
     ///
     /// # Errors
     /// The key that cannot be met, why, and a way out.
@@ -297,7 +297,7 @@ pub fn stated(spec: &SceneSpec) -> Vec<(String, f64)> {
 }
 
 impl SceneFile {
-    /// The scene under other conditions.
+    /// Returns the scene under other conditions.
     ///
     /// # Errors
     /// As [`ReferenceConditions::apply`].

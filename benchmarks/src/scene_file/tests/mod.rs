@@ -1,4 +1,4 @@
-//! Tests of the scene format: what is read, what is refused and in which words, what never panics.
+//! Tests of the scene format: accepted values, refusals with their messages, and robustness.
 
 mod axes;
 mod contacts;
@@ -21,7 +21,7 @@ use gearbench_models::geometry::Gear;
 use gearbench_models::spec::Body;
 use miette::{GraphicalReportHandler, GraphicalTheme};
 
-/// A small sound scene that the tests change.
+/// A small valid scene that the tests modify.
 const BASE: &str = r#"schema = 1
 name = "test"
 title = "A test"
@@ -60,7 +60,7 @@ parameters = { tooth_stiffness_n_per_m = 5.3e8, tooth_mass_kg = 4.8e-3 }
 integrators = [{ method = "dopri5", rtol = 1e-6 }, { method = "rk4", step_s = 1e-6 }]
 "#;
 
-/// Conical gears on axes that meet.
+/// Conical gears on intersecting axes.
 const SHIPPED_BEVELOID: &str = include_str!("../../../scenes/beveloid.toml");
 
 /// A set of maps of stability, to stand below the base scene.

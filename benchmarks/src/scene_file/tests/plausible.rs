@@ -88,7 +88,7 @@ fn odd_values_are_said_with_the_unit_that_is_meant() {
     }
 }
 
-/// Millimetres all over: gears of 80 metres.
+/// A scene in millimetres has gears of 80 metres; the warnings say so.
 #[test]
 fn millimetres_are_said() {
     let metres = changed("duration_s = 1e-4", "duration_s = 1e-4");
