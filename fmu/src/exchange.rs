@@ -1,10 +1,10 @@
 //! Model exchange: the host integrates `q' = v`, `v' = M^-1 f` and locates where event functions fall through zero.
 //!
-//! **Events.** A host ends its step a hair behind a root. Functions that are not positive there and go on falling switch
-//! their part of the branch; one that was switched a hair beside its root rises by itself. Both are told apart by where the
-//! function goes from here, not by what the host saw before.
+//! **Events.** A host ends its step slightly behind a root. Event functions that are not positive there and keep
+//! falling switch their part of the branch; a function that was just switched, slightly off its root, rises by itself.
+//! The slope of the function at the present state distinguishes both cases, not the history that the host has seen.
 //!
-//! **After steps** a scene may hand teeth over, which changes coordinates: it asks for an event, where that may happen.
+//! **After steps** a scene may change the teeth in contact, which changes coordinates: it then requests an event.
 
 use crate::instance::{Done, Instance, Kind, Known, fail};
 use gearbench_integrators::system::Events;

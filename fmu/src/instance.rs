@@ -1,16 +1,17 @@
 //! An instance of an FMU: scene, state and inputs of the host.
 //!
-//! **Inputs** act through the scene's own loads and prescribed motions. They hold their values over a communication step;
-//! a hub that the host moves goes on at its speed. With the parameter `interpolate` loads run linearly, and motions along
-//! the cubic through both places with both speeds (Hermite), from the inputs to those that end in `_end`. A cubic whose
-//! speeds are the slope of its places is a line: what interpolates linearly.
+//! **Inputs** act through the scene's own loads and prescribed motions. They are constant over a communication step; a
+//! hub that the host moves continues at its speed. With the parameter `interpolate` loads vary linearly, and motions
+//! along the cubic Hermite polynomial through both displacements with both speeds, from the inputs to those that end in
+//! `_end`. If the speeds are the slope between the displacements, the cubic is a line, as in linear interpolation.
 //!
-//! **Steps.** The method goes on where it was: as long as inputs do not change, communication points are no more than
-//! samples of one run. Where they change it starts afresh, as at a breakpoint of a load; where a host makes a hub jump, so
-//! do the contacts. A jump of speed is an acceleration of no duration: what accelerations of a hub shake, as the modes of
-//! elastic gears in its frame, it shakes at once (`jumps`), so that a hub along lines moves them as one along a smooth course.
+//! **Steps.** The method continues from the present state: as long as inputs do not change, communication points are no
+//! more than samples of one run. Where inputs change, the method restarts, as at a breakpoint of a load; where the host
+//! makes a hub jump, so do the contacts. A jump of speed is an acceleration of zero duration: it changes at once the
+//! velocities that respond to accelerations of the hub, such as those of the modes of elastic gears in its frame
+//! (`jumps`), so that piecewise linear motion of a hub excites them as smooth motion does.
 //!
-//! **Going back.** A [`Snapshot`] holds all that the next step depends on, the method with its history among it.
+//! **Rollback.** A [`Snapshot`] contains all that the next step depends on, including the method with its history.
 
 use gearbench::fmu::coupled::{Acts, Coupled};
 use gearbench::fmu::interface::{Interface, Quantity, Role};

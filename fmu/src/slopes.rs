@@ -1,9 +1,9 @@
 //! First and second time derivatives of outputs, for hosts that extrapolate.
 //!
-//! Outputs are looked at a little before and after the present state, `y(t - d)`, `y(t)`, `y(t + d)`: central differences.
-//! The states there are classical Runge-Kutta steps on the present branch of the contacts, so that inputs, velocities and
-//! dampers take part in all orders. With `d` a small part of the time in which forces change both truncation, `(w d)^2`,
-//! and rounding stay near 1e-6.
+//! Outputs are evaluated shortly before and after the present state, `y(t - d)`, `y(t)`, `y(t + d)`, for central
+//! differences. These states are classical Runge-Kutta steps on the present branch of the contacts, so that inputs,
+//! velocities and dampers contribute in all orders. With `d` a small share of the time scale of the forces, both
+//! truncation, `(w d)^2`, and rounding stay near 1e-6.
 
 use crate::instance::{Done, Instance, Kind, fail};
 use gearbench::fmu::interface::Role;

@@ -218,8 +218,9 @@ pub fn csv(plan: &Plan, rows: &[Row]) -> String {
 mod tests {
     use super::*;
 
-    /// A reduced version of the stored check: rigid gears, a few sets. Of 24 intervals 95 % hold on average, and fewer than
-    /// 20 hold in one of 200 such checks. One clock offset of these sets cannot be told, and does not count as held.
+    /// Reduced version of the stored check with rigid gears and few data sets. Of 24 intervals 95 % contain the true
+    /// value on average, and fewer than 20 do in one of 200 such checks. One clock offset of these sets cannot be
+    /// determined, and does not count as contained.
     #[test]
     fn intervals_hold_the_truth() {
         let plan = Plan {

@@ -1,6 +1,6 @@
-//! How far do identified constants carry? Rigid gears and movable teeth fitted to full finite elements at one speed, and
-//! held against them at a third and at three times that speed; and what stiffness the fits find beside what is published,
-//! normed, computed and at rest.
+//! Validity of identified constants at other speeds. Rigid gears and movable teeth are fitted to full finite elements
+//! at one speed, and compared with them at a third and at three times that speed; the fitted stiffnesses are compared
+//! with published, standard, computed and static ones.
 //!
 //! Finite elements run as their scene says; their history is cut where the gears have parted, because at another speed
 //! they reach the other flanks at another time.

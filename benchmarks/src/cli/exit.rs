@@ -68,8 +68,8 @@ ends with 1, as one beyond the tolerance does; `except` names models that are le
         lines.join("\n")
     }
 
-    /// Of a study whose runs are all meant to hold: one that failed decides, then one beyond the tolerance or not judged
-    /// by it, unless its model is shown for its error (`except` of the scene's `tolerance`).
+    /// The exit code of a study all of whose runs have to be sound: a failed run decides, then a run beyond the
+    /// tolerance or not judged by it, unless the tolerance of the scene excepts its model (`except`).
     pub fn of_every_run(results: &Results) -> Exit {
         let excepted = |r: &Run| {
             (results.tolerance.as_ref()).is_some_and(|t| t.except.contains(&r.model_label()))
@@ -93,9 +93,9 @@ ends with 1, as one beyond the tolerance does; `except` names models that are le
         }
     }
 
-    /// Of a comparison: where it looks for a model that is enough, and its yardstick is one that it made, a model of the
-    /// scene, or a reference that states its own error, one adequate run answers the question. Where the scene has a
-    /// reference that counts as exact all runs are meant to hold.
+    /// The exit code of a comparison. If its yardstick is one that it computed, a model of the scene, or a reference
+    /// that states its own error, one adequate run is enough. If the scene has a reference that counts as exact, all
+    /// runs have to be sound.
     pub fn of_comparison(results: &Results) -> Exit {
         let made = match &results.part {
             Part::Compare(part) => {
@@ -120,8 +120,8 @@ ends with 1, as one beyond the tolerance does; `except` names models that are le
         }
     }
 
-    /// Of a study that goes on until methods fail (errors against cost, errors over modes): its failures are its
-    /// subject. One without any run that was compared with something falls short, and one without any sound run has failed.
+    /// The exit code of a study that continues until methods fail (errors against cost, errors over modes), where
+    /// failures are results. Without any comparison it falls short, and without any sound run it has failed.
     pub fn of_any_run(results: &Results) -> Exit {
         let sound = |r: &&Run| r.status.holds();
         let mut ended = results.runs.iter().filter(|r| !r.status.is_failure());

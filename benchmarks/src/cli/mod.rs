@@ -1,5 +1,5 @@
-//! The command line: the table of commands, messages, files and exit codes. What the commands do is the business of
-//! studies and tools.
+//! The command line: table of commands, messages, files and exit codes. The modules of studies and tools implement the
+//! commands.
 
 pub mod answer;
 pub mod arguments;

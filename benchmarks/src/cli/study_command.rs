@@ -105,7 +105,7 @@ impl StudyCommand {
     }
 
     /// Returns the study with all of its output in one folder. Options that write elsewhere (a baseline, a calibration,
-    /// the scene) are left out, and so is what overwrites the work of others.
+    /// the scene) or allow overwriting are removed.
     pub(super) fn confined_to(mut self, folder: PathBuf) -> Self {
         match &mut self {
             StudyCommand::Identify(args) => args.write = None,

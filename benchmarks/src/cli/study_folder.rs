@@ -61,8 +61,8 @@ impl From<JournalError> for Refusal {
 }
 
 impl StudyFolder {
-    /// Makes sure that the folder can be written to and belongs to this study, takes up what an interrupted start has left
-    /// in it, and lets signals end the study in good order from here on.
+    /// Opens the folder of a study: checks that it is writable and belongs to this study, loads the journal of an
+    /// interrupted start, and defers signals from here on.
     ///
     /// # Errors
     /// [`Refusal::Files`] when the folder, or the journal in it, cannot be written; [`Refusal::Input`] when another process
@@ -184,8 +184,8 @@ impl StudyFolder {
         Refusal::Interrupted
     }
 
-    /// Writes the record with its report, prints its summary and where everything lies, and answers with it. Runs that an
-    /// interruption kept from being made are left out, and the journal stays for the next start.
+    /// Writes the record with its report, prints its summary and the paths of the files, and returns the result of the
+    /// command. Runs that an interruption prevented are left out, and the journal stays for the next start.
     ///
     /// # Errors
     /// [`Refusal::Files`] when a file cannot be written, [`Refusal::Interrupted`] when there is nothing to report.
@@ -345,8 +345,8 @@ fn in_order(labels: &str) -> String {
     all.join(",")
 }
 
-/// Removes the staging folders of processes that were killed while they wrote the record: the lock is ours, and so they are
-/// nobody's.
+/// Removes staging folders of processes that were killed while they wrote the record; the lock of this process excludes
+/// other writers.
 pub(crate) fn remove_staging(folder: &Path) {
     for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
         let name = entry.file_name().to_string_lossy().into_owned();

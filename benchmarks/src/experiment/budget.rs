@@ -1,8 +1,8 @@
 //! Budget of processor time for a whole study.
 //!
-//! All threads of the process count, set-up included: meshes and modes are computed on several threads. A study asks
-//! before each piece whether there is time left; what it does not try is named in its record, and its answer is of what
-//! was tried. What an earlier start has finished costs nothing.
+//! All threads of the process count, including set-up: meshes and modes are computed on several threads. A study checks
+//! the remaining time before each piece; its record names the pieces that were left out, and its result is that of the
+//! others. Pieces that an earlier start finished cost nothing.
 
 use gearbench_integrators::clock::processor_time_of_all_threads;
 use std::time::{Duration, Instant};

@@ -20,8 +20,8 @@ use gearbench_reports::record::{OwnSolution, Run, Status};
 use gearbench_reports::series::TimeSeries;
 use serde::{Deserialize, Serialize};
 
-/// Tolerances of the converged solution, and the steps times coordinates that each may take: a hundredth of the
-/// tightest in use where it takes seconds; long stiff scenes get the last.
+/// Tolerances of the converged solution with bounds on steps times coordinates: a hundredth of the tightest common
+/// tolerance where it takes seconds, the last one for long stiff scenes.
 const TIGHT: [(f64, u64); 3] = [(1e-12, 4_000_000), (1e-10, 4_000_000), (1e-8, 8_000_000)];
 /// Relative tolerance of the method that is exact for modes, where the study uses no tighter one.
 const EXACT_RTOL: f64 = 1e-4;
@@ -208,8 +208,8 @@ mod tests {
         }
     }
 
-    /// A solution judges what is at least ten times coarser: by tolerances of any two methods, by steps with the order of
-    /// the method, by the number of steps where one has a step and the other a tolerance.
+    /// A solution judges runs that are at least ten times coarser: by tolerances of any two methods, by steps with the
+    /// order of the method, by the number of steps where one has a step and the other a tolerance.
     #[test]
     fn a_solution_judges_what_is_ten_times_coarser() {
         let row = |steps| Run {
@@ -262,7 +262,7 @@ mod tests {
         assert!(why.contains("dopri5, rtol 1e-10"), "{why}");
     }
 
-    /// Candidates are ten times finer than what the study asks for.
+    /// Candidates are ten times finer than the methods of the study.
     #[test]
     fn candidates_are_finer_than_the_methods_of_the_study() {
         let asked = [

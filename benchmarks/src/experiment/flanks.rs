@@ -1,8 +1,8 @@
 //! Contact load on the flanks of the first gear of each mesh, at the largest force and as maximum over a run.
 //!
-//! Places on a flank are the length of roll and the height along the axis from the middle of the face. A contact on a slice
-//! of the width tells its load per width, or Hertz's pressure where it knows its own width; a contact of an area tells its
-//! pressure. Single nodes that stand for no area tell neither.
+//! Coordinates on a flank are the length of roll and the height along the axis from the middle of the face. The value
+//! of a contact on a slice of the width is its load per width, or Hertz's pressure if its width is known; that of a
+//! contact area is its pressure. Single nodes without an area have neither.
 
 use super::run::Job;
 use gearbench_integrators::State;
@@ -145,8 +145,8 @@ fn at(scene: &mut Scene, state: &State, mesh: usize, flank: &Flank<'_>) -> Vec<B
     out
 }
 
-/// Gives points that stand for areas their places and sizes: over the width from middle to middle between their columns,
-/// along the profile what is left of the area.
+/// Sets positions and sizes of points with areas: over the width from middle to middle between their columns, along the
+/// profile so that the area is kept.
 fn spread(patches: &mut [FlankPatch], areas: impl Iterator<Item = f64>, flank: &Flank<'_>) {
     let heights = columns(patches, flank.face_width);
     let end = 0.5 * flank.gear.face_width();

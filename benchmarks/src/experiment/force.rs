@@ -1,16 +1,17 @@
 //! Contact force of the first mesh as a piecewise polynomial between events, from which the metrics of a run are
 //! computed ([`gearbench_reports::force`] has the reasons).
 //!
-//! A step is looked at in the nodes of its pieces. Where events are located, steps far shorter than a piece share one, so
-//! that what is kept follows the time in contact over the characteristic time of the scene and not the number of steps;
-//! bodies full of waves know no such time, and have a piece per step. A piece ends where the state or its branch changes
-//! between steps, which is where events were located. In steps without a force nothing is kept.
+//! The force in a step is sampled at the nodes of its polynomial pieces. Where events are located, steps far shorter
+//! than a piece share one, so that the size of the record is proportional to the time in contact over the
+//! characteristic time of the scene, and not to the number of steps; bodies with waves have no such time, and get a
+//! piece per step. A piece ends where the state or its branch changes between steps, that is at located events. Steps
+//! without a force are not recorded.
 //!
-//! | the force within a step | a piece |
+//! | force within a step | piece |
 //! |---|---|
 //! | smooth: events are located | degree five over half a characteristic time |
 //! | continuous: flank points close one by one, without a damper | a parabola over the step |
-//! | may jump unseen: a damper, events not located | lines of a fifth of the characteristic time |
+//! | may jump without an event: a damper, events not located | lines over a fifth of the characteristic time |
 
 use gearbench_integrators::{AcceptedStep, SecondOrderSystem, State};
 use gearbench_reports::force::{ForceHistory, MOST_NODES, integral};
@@ -96,9 +97,9 @@ impl ForceRecorder {
         }
     }
 
-    /// The times of a step at which the force is to be looked at, ascending, its end among them; its start where this
-    /// is not the end of the step before. `silent` tells whether there is no force at a time of the step: in one that
-    /// is silent throughout its end is enough.
+    /// Returns the times of a step at which the force is sampled, ascending, with its end; also its start if that is
+    /// not the end of the step before. `silent` is true if there is no force at a time; of a step without force only
+    /// the end is sampled.
     pub fn looks(
         &mut self,
         sys: &mut dyn SecondOrderSystem,

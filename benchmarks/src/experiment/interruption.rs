@@ -1,9 +1,9 @@
 //! Interruption by the user (Ctrl-C), by the system (SIGTERM) or by a terminal that is closed (SIGHUP).
 //!
-//! Signals are caught from the first line of the program on, and end it with the exit code [`CODE`] whenever they come.
-//! While nothing is finished yet (scenes are read, models are built, gears are meshed) a signal ends the program at once.
-//! Once a study [defers](defer) signals, the first one sets a flag that every integration looks at, so that what is
-//! finished is reported; a second one ends the program at once.
+//! Signals are handled from the first line of the program on, and always end it with the exit code [`CODE`]. While
+//! nothing is finished yet (scenes are read, models are built, gears are meshed) a signal ends the program at once.
+//! Once a study [defers](defer) signals, the first one sets a flag that every integration polls, so that finished work
+//! is reported; a second one ends the program at once.
 
 use std::io;
 use std::sync::Arc;

@@ -1,10 +1,11 @@
-//! The journal of a study: every finished piece of work is a line of its own, on disk before the next is begun.
-//!
-//! The first line says which program and which study the lines belong to: another program may compute otherwise, and starts
-//! over. A line has the name of a piece, which covers all that the piece depends on ([`Key`](super::key::Key)), its result,
-//! and a checksum of both. A program that is killed, or a loss of power, leaves at worst a last line that is not whole, which
-//! the next start cuts off. A line that is damaged before a sound one is named: nothing of it is used. What stands in the
-//! journal is not computed again. A line is appended by one write and synced, so that neither a kill nor a loss of power
+//! The journal of a study, in which every finished piece of work is one line, written to disk before the next piece
+//! begins.
+//! The first line names the program and the study of the lines: another program may compute other results, and starts
+//! over. A line contains the key of a piece, which covers all its inputs ([`Key`](super::key::Key)), its result, and a
+//! checksum of both. After a kill or a loss of power the last line may be incomplete, and the next start cuts it off. A
+//! damaged line before an intact one is an error, and the journal is not used. Pieces in the journal are not computed
+//! again. A line is appended by one write and synced, so that a kill or a loss of power costs no more than the runs in
+//! progress. The lock of the folder ensures that one process at a time writes a journal.
 //! takes more than the runs under way. One process at a time writes a journal: the lock of the folder sees to that.
 
 use super::machine;
@@ -26,7 +27,7 @@ const LONGEST_HEADER: u64 = 1 << 16;
 /// First bytes of a journal of any version.
 const BEGIN: &[u8] = b"{\"journal\":";
 
-/// The study that a journal or a record belongs to: what distinguishes it from others that would use the same folder.
+/// Identity of the study of a journal or record; it distinguishes studies that would use the same folder.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Subject {
     /// Id of the study.
@@ -194,8 +195,8 @@ pub struct Journal {
 }
 
 impl Journal {
-    /// Opens the journal of a study at a path, with what it holds already; `fresh` empties it first, and so does another
-    /// program.
+    /// Opens the journal of a study at a path and reads its finished pieces; `fresh`, or another program, empties it
+    /// first.
     ///
     /// # Errors
     /// [`JournalError`] when the file refuses, is no journal, has pieces of another study, or is damaged before a sound
@@ -271,8 +272,7 @@ impl Journal {
         }
     }
 
-    /// Takes the sound lines of a journal behind the first one. What follows the last of them was not written to its end,
-    /// and is cut off.
+    /// Reads the intact lines of a journal behind the first one. An incomplete last line is cut off.
     fn read(&mut self, from: &mut impl BufRead) -> Result<(), JournalError> {
         let mut unsound: Option<(usize, String)> = None;
         let mut bytes = Vec::new();
@@ -470,7 +470,7 @@ mod tests {
         assert!(open(&folder, true).unwrap().is_empty());
     }
 
-    /// Zeros in the place of the last line, with and without a line feed, are what a loss of power leaves.
+    /// A loss of power leaves zeros in the place of the last line, with or without a line feed.
     #[test]
     fn a_last_line_of_zeros_or_with_another_digit_is_cut_off() {
         let folder = tempfile::tempdir().unwrap();

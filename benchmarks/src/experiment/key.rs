@@ -46,7 +46,7 @@ impl fmt::Display for Key {
     }
 }
 
-/// Bytes of a file that a model reads, as many as the reader of reductions takes.
+/// Largest size of a model file that is hashed [bytes]; the reader of reductions has the same limit.
 const MOST_OF_MODEL: u64 = gearbench_reference::reduction::store::MAX_FILE_BYTES;
 
 /// Paths of the files that models read.

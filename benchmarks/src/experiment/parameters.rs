@@ -68,7 +68,7 @@ mod tests {
     use super::*;
     use crate::scene_file::{Selection, load_for};
 
-    /// Tooth stiffness and mass stand in the record with all their digits.
+    /// Tooth stiffness and mass are in the record with all their digits.
     #[test]
     fn constants_of_teeth_are_numbers() {
         let scene = load_for("spur_impact", Selection::None).unwrap();

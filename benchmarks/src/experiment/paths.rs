@@ -4,8 +4,9 @@
 //! P_m = -mean(T_1 omega_1),   s_k = F_k / sum F,   K_gamma = N max F_k / sum F,   W_i = sum (T_i + T_(i+1))/2 (phi_(i+1) - phi_i)
 //! ```
 //!
-//! Means are over the second half of a run, by the trapezoidal rule; what happens before is how it starts. Works of loads are
-//! sums over the turn of their hub, exact for constant torques; those of drives over torque and turn on the grid.
+//! Means are over the second half of a run, by the trapezoidal rule, as the first half contains the start. Works of
+//! loads are sums over the rotation of their hub, exact for constant torques; those of drives over torque and rotation
+//! on the grid.
 
 use super::history::History;
 use super::record::carrier_of;

@@ -1,7 +1,7 @@
 //! Execution of a study piece by piece: finished pieces are stored on disk, and none begins after an interruption.
 //!
-//! A study is written as if it computed everything. What an earlier start has finished is taken from the journal, and a
-//! study that was interrupted comes to its end with rows that were not made, which the record then leaves out.
+//! A study is written as if it computed everything. Finished pieces of an earlier start are taken from the journal. An
+//! interrupted study reaches its end with rows without results, which the record then leaves out.
 
 use super::budget::Budget;
 use super::conditions::{Progress, silent};
@@ -169,8 +169,8 @@ impl<'a> Runner<'a> {
         Ok(made)
     }
 
-    /// The row of a run under a method, made now unless it is finished. After an interruption it is a row that was not
-    /// made, and so is one of a model that cannot run, or in which the program itself fails: no run takes others with it.
+    /// Returns the row of a run under a method from the journal, or computes it. An interruption, a model that cannot
+    /// run and a panic give a row without result, so that other runs continue.
     ///
     /// # Errors
     /// Those of the work, and [`JournalError`].
@@ -184,7 +184,7 @@ impl<'a> Runner<'a> {
         made.map(|(row, ())| row)
     }
 
-    /// [`Runner::row`] with what the next row needs of it; the default where there is none.
+    /// [`Runner::row`] with data that the next row needs; the default of the type where a row has no result.
     ///
     /// # Errors
     /// Those of the work, and [`JournalError`].

@@ -24,8 +24,8 @@ pub fn thin(series: &TimeSeries) -> TimeSeries {
     thin
 }
 
-/// Leaves in a row the history that its record keeps; the whole one stays for the files of histories, if the row has
-/// them. What metrics were taken from is dropped.
+/// Replaces the history of a row by its reduced form; the full one stays for the files of histories, if the row has
+/// them. The force pieces for metrics are dropped.
 pub fn thin_row(row: &mut Run) {
     let Some(mut whole) = row.series.take() else {
         return;

@@ -14,7 +14,7 @@ pub const CALIBRATION: &str = "scene.calibration.toml";
 /// Name of the settings file among the resources.
 pub const SETTINGS: &str = "fmu.json";
 
-/// Settings of an FMU beside its scene: model, integration method, moved hubs.
+/// Settings of an FMU in addition to its scene: model, integration method, moved hubs.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Settings {

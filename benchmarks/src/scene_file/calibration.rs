@@ -1,8 +1,8 @@
 //! Calibrations: constants of models that were fitted to a reference, in generated files.
 //!
-//! `gearbench identify SCENE --write` writes them, a model with `calibration = "impact"` reads them; they
-//! are never typed in. What they were fitted to says what they hold for ([`FittedTo`]). A file has a header of comments (command, fit figures) and one table per calibration
-//! and model label:
+//! `gearbench identify SCENE --write` writes them, and a model with `calibration = "impact"` reads them; they are never
+//! written by hand. The data of the fit determine their range of validity ([`FittedTo`]). A file has a header of
+//! comments (command, errors of the fit) and one table per calibration and model label:
 //!
 //! ```toml
 //! [impact.movable-teeth]
@@ -15,8 +15,8 @@
 //! pinion.tooth_mass_kg = 4e-3      # that of one gear, in the place of what all have
 //! ```
 //!
-//! Shipped scenes have theirs embedded (`benchmarks/calibrations/NAME.toml`); a scene file of one's own has
-//! it beside itself, as `NAME.calibration.toml`.
+//! Calibrations of shipped scenes are embedded (`benchmarks/calibrations/NAME.toml`); a scene file of the user has its
+//! calibrations next to it, as `NAME.calibration.toml`.
 
 use super::error::SceneError;
 use super::reading::values::InOrder;

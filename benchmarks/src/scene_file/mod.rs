@@ -2,23 +2,23 @@
 //!
 //! | module | owns |
 //! |---|---|
-//! | `reading` | TOML into types by serde, with places, "did you mean", limits and units |
-//! | `error` | refusals with line and way out |
+//! | `reading` | deserialisation of TOML with places, suggestions, limits and units |
+//! | `error` | errors with line and help |
 //! | `load` | scenes by name or path |
 //! | `gear`, `geometry`, `profile`, `mesh` | `[gears.NAME]`, its loads and mount, `[[meshes]]` |
 //! | `model`, `calibrated`, [`calibration`] | `[[models]]`, fitted constants |
 //! | `contact`, `contact_points`, `stiffness` | `contact = { .. }` |
-//! | `study_plan` | `[study]`, `tolerance`; what one study takes stands in its room |
-//! | `plausible`, `usual` | what no solid can be, and what is only odd |
-//! | `motion` | speeds at the start and loads that do not suit the train |
+//! | `study_plan` | `[study]`, `tolerance`; keys of a single study belong to its module |
+//! | `plausible`, `usual` | refusal of impossible values, warnings on unusual ones |
+//! | `motion` | warnings on initial speeds and loads that do not suit the train |
 //! | `selection` | models by their labels |
-//! | `formulas` | where a scene leaves the range of a stiffness formula |
-//! | [`references`] | what models are held against and fitted to: stored, or tables of the user |
-//! | `locate` | the line that an error of the assembly is about |
-//! | [`shipped`] | the scenes in the program |
+//! | `formulas` | warnings outside the validity range of a stiffness formula |
+//! | [`references`] | references to compare with and fit to: stored ones, or tables of the user |
+//! | `locate` | lines of errors of the assembly |
+//! | [`shipped`] | scenes that are embedded in the program |
 //!
-//! Everything that can be wrong in a file is found when it is loaded, geometry, laws, stiffness and the
-//! models' own parameters included: every model of a scene is built once.
+//! All errors of a file are found when it is loaded, including those of geometry, force laws, stiffness and model
+//! parameters: every model of a scene is built once.
 
 mod calibrated;
 pub mod calibration;
@@ -353,9 +353,10 @@ impl SceneFile {
         }
     }
 
-    /// Builds models once, by their places in the file, settles the integrators of those for which the scene names none, and
-    /// keeps which of them cannot run the scene; returns what is odd about the others. `begins` gets the number of those that
-    /// are built and the label of the next. Without calibrations a model that asks for one may lack its constants.
+    /// Builds models, given by their indices, sets the default integrators of those for which the scene names none, and
+    /// stores which of them cannot run the scene. Returns warnings on the others. `begins` receives the number of
+    /// models built so far and the label of the next. Without calibrations a model that uses one may lack its
+    /// constants.
     ///
     /// # Errors
     /// [`SceneError`] when a value is wrong, and when none of the models can run.

@@ -1,18 +1,19 @@
 //! Warnings on initial speeds and loads that do not suit the gear train of a scene.
 //!
-//! **Speeds.** Flanks that approach each other at the start strike, flanks that part cross the backlash and strike on the
-//! other side. A warning names the speed and the order of the force, `F = v sqrt(k m)` of a mass `m` on a spring `k`, with
-//! `k` the 14 N/(mm um) of face width that ISO 6336-1 gives as a mean value for steel gears. A scene is taken as an impact
-//! that is meant, without a warning, where
+//! **Speeds.** Flanks that approach each other at the start collide; flanks that separate cross the backlash and
+//! collide on the other side. A warning names the speed and the order of the force, `F = v sqrt(k m)` of a mass `m` on
+//! a spring `k`, with `k` the 14 N/(mm um) of face width that ISO 6336-1 gives as a mean value for steel gears. An
+//! impact counts as intended, without a warning, if
 //! - no load and no driven hub acts on the train: then nothing but an impact can happen in it;
-//! - held hubs leave the gears no motion in step;
+//! - held hubs leave the gears no kinematically consistent motion;
 //! - the mesh starts within its backlash, a quarter of it or more away from the flank.
 //!
-//! Speeds that differ by less than a thousandth, as those of rounded input do, and impacts below a tenth of the tooth
-//! force of the loads are not mentioned either.
+//! There is no warning on relative differences of speed below a thousandth, as from rounded input, and on impacts below
+//! a tenth of the tooth force of the loads.
 //!
-//! **Loads.** A warning names loads on hubs whose motion is given, loads that press the flank that does not touch at the
-//! start, loads that press no flank, and loads that all drive. Only loads that keep their sign are judged.
+//! **Loads.** A warning names loads on hubs with prescribed motion, loads that press the flank that is not in contact
+//! at the start, loads that press no flank, and trains in which all loads drive. Only loads that keep their sign are
+//! checked.
 
 use super::SceneFile;
 use super::error::SceneError;

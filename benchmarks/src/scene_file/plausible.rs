@@ -1,16 +1,16 @@
 //! Checks of plausibility. Physically impossible values are refused, unusual values cause a warning. Both name the line
 //! and the unit that was probably meant.
 //!
-//! Bounds of the possible:
-//! - a rim that turns with the surface speed `v` carries the hoop stress `rho v^2`, beyond Young's modulus `E` where `v`
-//!   passes the speed of sound `sqrt(E / rho)` (Timoshenko, Strength of Materials II, thin rotating ring);
-//! - a load `F` at the base circle means a nominal stress `F / (b m)` of a tooth of module `m` and width `b`, which no
-//!   solid carries beyond `E`;
-//! - a tooth of stiffness `k` and mass `m` vibrates at `sqrt(k / m)`, in gears about once in the time in which a wave crosses
-//!   its module; at a thousand times that no step would be short enough;
-//! - a fixed step is at most as long as what is simulated.
+//! Limits of the possible:
+//! - A rim with the surface speed `v` has the hoop stress `rho v^2`, which exceeds Young's modulus `E` where `v`
+//!   exceeds the speed of sound `sqrt(E / rho)` (Timoshenko, Strength of Materials II, thin rotating ring).
+//! - A load `F` at the base circle gives a nominal stress `F / (b m)` of a tooth of module `m` and width `b`; no solid
+//!   carries more than `E`.
+//! - A tooth of stiffness `k` and mass `m` vibrates at `sqrt(k / m)`, in gears about once in the time in which a wave
+//!   crosses its module; at a thousand times that no step would be short enough.
+//! - A fixed step is at most as long as the simulated time.
 //!
-//! Bounds of the usual are wide: beyond them stand hardly any gears, but many a slip of units.
+//! Typical ranges are wide: values beyond them are mostly errors of units.
 
 use super::error::SceneError;
 use super::motion;

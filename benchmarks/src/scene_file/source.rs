@@ -1,7 +1,7 @@
 //! The source of a record: text and inputs of its scene, and a scene that is rerun from a record.
 //!
-//! A record that is run again stands in for its scene: text and calibrations are those of the record, relative paths
-//! still lead from where the scene file was, and the files there have to be the same.
+//! In a rerun the record replaces the scene file: text and calibrations are those of the record; relative paths still
+//! count from the place of the scene file, and the files there must be unchanged.
 
 use super::calibration::Calibration;
 use super::{Origin, SceneFile};

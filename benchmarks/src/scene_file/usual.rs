@@ -1,8 +1,8 @@
 //! Typical ranges of the values of a scene, in wide bounds, and units in which they are often given by mistake.
 //!
-//! Lengths are rows of one table, [`LENGTHS`]: bounds in metres, in modules or in reference radii, by the end of the path
-//! that leads to the value. They are checked before the geometry is built, so that a refusal of the geometry names the
-//! unit that is probably meant.
+//! Lengths are rows of one table, [`LENGTHS`]: bounds in metres, in modules or in reference radii, by the last key of
+//! the path. They are checked before the geometry is built, so that an error of the geometry can name the unit that was
+//! probably meant.
 
 use super::error::SceneError;
 use super::reading::{Document, Place};

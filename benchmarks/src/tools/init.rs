@@ -23,7 +23,7 @@ const TEMPLATES: [(&str, &str); 3] = [
     ("train", include_str!("../../templates/train.toml")),
 ];
 
-/// Other files to start from: name, ending, content, what to do with it.
+/// Other files to start from: name, extension, content, next step for the user.
 const OTHERS: [(&str, &str, &str, &str); 2] = [
     (
         "check",
@@ -157,7 +157,7 @@ fn text(what: &str) -> Result<String, SceneError> {
     }
 }
 
-/// The scene with its fitted constants in tables `[calibration.NAME.LABEL]` of its own.
+/// The scene with its fitted constants in its own tables `[calibration.NAME.LABEL]`.
 fn alone(shipped: &Shipped) -> String {
     let constants: Vec<String> = (shipped.calibration.lines())
         .map(|line| match line.strip_prefix('[') {

@@ -4,9 +4,9 @@
 //! |---|---|
 //! | `common` | instances, co-simulation, variables, copies of the state |
 //! | `exchange` | model exchange |
-//! | `absent` | what these FMUs do not have: other types, clocks, serialisation, partial derivatives |
+//! | `absent` | functions for missing features: other types, clocks, serialisation, partial derivatives |
 //!
-//! Every function takes pointers from its host on trust, as C does, checks them for null, and lets no panic out.
+//! Every function trusts the pointers of its host, as C does, checks them for null, and catches panics.
 
 // Names and arguments are those of the standard.
 #![allow(

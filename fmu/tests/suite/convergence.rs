@@ -44,11 +44,11 @@ const SHAFT: f64 = 2000.0;
 const MOTOR: f64 = 20.0;
 const END: f64 = 4e-4;
 
-/// Turn of the hub at the start [rad]: the teeth pressed a little less than the torque asks for.
+/// Angle of the hub at the start [rad]: the teeth carry a little less than the torque of the motor.
 const PRESSED: f64 = 8e-5;
 
-/// Turns of motor and hub, then speeds. The shaft is wound up against the teeth: an FMU knows of no acceleration of the hub
-/// before the first step, and there is none.
+/// Angles of motor and hub, then speeds. The shaft balances the teeth at the start, so that the acceleration of the hub
+/// is zero, as the FMU assumes before the first step.
 fn start(fmu: &Fmu) -> [f64; 4] {
     let teeth = fmu.get("pinion.contact_torque");
     [PRESSED - teeth / SHAFT, PRESSED, 0.0, 0.0]
@@ -79,7 +79,7 @@ fn runge_kutta<const N: usize>(
     std::array::from_fn(|i| x[i] + h / 6.0 * (a[i] + 2.0 * b[i] + 2.0 * c[i] + d[i]))
 }
 
-/// Times at which both are looked at.
+/// Number of times at which both solutions are compared.
 const LOOKS: u32 = 20;
 
 /// The whole as one system: speeds of the hub at these times.
@@ -112,7 +112,7 @@ fn whole(package: &Package) -> Vec<f64> {
     seen
 }
 
-/// In two parts, with so many terms of extrapolation, in so many steps.
+/// Speeds of the hub from co-simulation of both parts, with `terms` of extrapolation and a number of steps.
 fn in_parts(package: &Package, terms: usize, linear: bool, steps: u32) -> Vec<f64> {
     let fmu = Fmu::stepping(package);
     fmu.interpolate();

@@ -430,7 +430,7 @@ impl Fmu {
         z
     }
 
-    /// An event; the next time event.
+    /// Handles an event and returns the time of the next one.
     pub fn event(&self) -> Option<f64> {
         self.ok(unsafe { fmi3EnterEventMode(self.instance) });
         let mut flags = [false; 5];
@@ -441,7 +441,7 @@ impl Fmu {
         flags[4].then_some(next)
     }
 
-    /// A completed step; whether it asks for an event.
+    /// Completes a step; true if the instance requests an event.
     pub fn completed(&self) -> bool {
         let (mut event, mut end) = (false, false);
         self.ok(unsafe { fmi3CompletedIntegratorStep(self.instance, true, &mut event, &mut end) });

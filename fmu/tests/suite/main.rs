@@ -1,4 +1,4 @@
-//! FMUs as a host meets them: through the functions of the standard, declared here as `fmi3Functions.h` declares them.
+//! Tests of FMUs through the functions of the standard, declared here as in `fmi3Functions.h`.
 
 #![allow(missing_docs)]
 #![allow(clippy::print_stdout)] // measured numbers belong to the log of a test run

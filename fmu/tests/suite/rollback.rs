@@ -1,4 +1,4 @@
-//! A host that goes back gets, bit for bit, what it would have got had it never gone.
+//! A host that restores an earlier state gets bit for bit the results of a run without the detour.
 
 use crate::host::Fmu;
 use crate::{packed, shipped};

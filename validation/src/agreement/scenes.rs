@@ -1,7 +1,7 @@
 //! Random scenes in the style of users: eight kinds in turn, each with its own sizes, loads, speeds and damping.
 //!
-//! Scene `n` follows from the seed and `n` alone. Gears are small and meshes coarse, so that refined gears of them are solved
-//! in seconds; what is asked for differs from scene to scene, so that some models are enough and others are not.
+//! Scene `n` follows from the seed and `n` alone. Gears are small and meshes coarse, so that the refined gears are
+//! solved in seconds; the required accuracy varies, so that some models are adequate and others are not.
 
 use crate::sampling::random::{Random, fitting, short};
 use std::f64::consts::TAU;

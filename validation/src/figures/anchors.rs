@@ -5,9 +5,9 @@
 //! 0.12<!--=impact.peak %--> and 0.08 %<!--=impact.impulse-->
 //! ```
 //!
-//! A page does not show the comment. The unit stands between number and comment, or in the comment where several numbers
-//! share one unit. A figure is right if the stored value, rounded to the digits that are printed, gives these digits;
-//! zeros at the end of a whole number count as rounded. A number without sign is a magnitude.
+//! The comment is not visible on the page. The unit is between number and comment, or in the comment if several numbers
+//! share one unit. A figure is right if the stored value, rounded to the printed digits, equals it; zeros at the end of
+//! an integer count as rounded. A number without sign is a magnitude.
 
 use std::ops::Range;
 

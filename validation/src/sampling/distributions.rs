@@ -43,8 +43,9 @@ impl Kind {
         }
     }
 
-    /// Metrics that are asked for. After several impacts a history is all phase, so hammering is validated by numbers
-    /// of the whole; under load the speed swings about a mean, and where it ends says little.
+    /// Metrics of the questions. After several impacts the phase dominates the error of a history, so hammering is
+    /// validated by scalar quantities; under load the speed oscillates about a mean, and its final value has little
+    /// meaning.
     pub fn metrics(self) -> &'static [Metric] {
         match self {
             Kind::Impact => &[

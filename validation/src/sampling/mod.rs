@@ -11,9 +11,10 @@
 //! are length and peak force of an impact, by which loads and durations are scaled. There are three kinds of scenes:
 //! one impact, several impacts within the backlash, and running under load for some mesh cycles.
 //!
-//! A scene is sound when rigid gears of the norm's stiffness do in it what its kind says, and no tooth is loaded beyond
-//! what steel bears; rigid gears take microseconds and say when contacts begin and end, from which the duration
-//! follows. A scene that is not sound is sampled again from the next stream of random numbers, and that is counted.
+//! A scene is valid if rigid gears of the norm's stiffness move in it according to its kind, and no tooth is loaded
+//! beyond the strength of steel. The run of rigid gears takes microseconds and gives begin and end of the contacts,
+//! from which the duration follows. An invalid scene is sampled again from the next stream of random numbers, and this
+//! is counted.
 
 mod distributions;
 pub mod random;
@@ -108,8 +109,8 @@ pub fn sample(set: &Set, number: usize) -> Result<Sample, SampleError> {
     })
 }
 
-/// The first impact of a scene of several: the gap to start with, so that what flies before is short, and the duration up
-/// to its end and some flight [m, s].
+/// Reduces a scene with several impacts to the first one: returns a start gap with a short flight, and the duration up
+/// to the end of the impact and some flight [m, s].
 ///
 /// # Errors
 /// [`SampleError`]: the scene cannot be built.

@@ -51,8 +51,8 @@ impl Sink for Contacts {
     }
 }
 
-/// Peak force [N] of rigid gears, and when their contacts begin and end [s]; an impact takes about `contact_time`. The
-/// peak is not a number where the run does not reach the end.
+/// Peak force [N] of rigid gears, and begin and end of their contacts [s]; an impact takes about `contact_time`. The
+/// peak is NaN if the run does not reach the end.
 pub fn contacts(scene: &SceneFile, contact_time: f64) -> Result<(f64, Vec<[f64; 2]>), SampleError> {
     let (method, tolerance, max_steps) = METHOD;
     let Some(choice) = scene

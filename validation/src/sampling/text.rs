@@ -1,7 +1,7 @@
 //! Text of a sampled scene as a scene file, which can be viewed and run like any other.
 //!
-//! The finite elements of a scene define it: mesh, penalty and damping of the models `elastic`, `densest` and `fe` are
-//! the same. Rigid gears and movable teeth stand beside as a user would write them down without knowing more, with the
+//! The finite elements define a scene: mesh, penalty and damping of the models `elastic`, `densest` and `fe` are the
+//! same. Rigid gears and movable teeth are added as a user would specify them without further knowledge, with the
 //! stiffness of the norm.
 
 use super::distributions::{Kind, Load, Parameters, Second};
@@ -16,8 +16,8 @@ const TOOTH_PER_WIDTH: f64 = 7.8e10;
 const TOOTH_MASS: f64 = 4.2;
 /// Numbers of elements of all gears: along a flank, over the width, from root to bore.
 const ELEMENTS: &str = "flank_elements = 8, width_elements = 1, rim_elements = 3";
-/// Gears turn at a few per cent of their lowest frequency at most: what would couple the modes is left out, as modal
-/// integration wants it.
+/// Setting that leaves gyroscopic terms out: gears rotate at a few per cent of their lowest frequency at most, and
+/// modal integration needs uncoupled modes.
 const SPIN: &str = "spin_terms = \"none\"";
 /// Number of modes and step [s] of the densest elastic model.
 const DENSEST: (usize, f64) = (300, 2.5e-7);

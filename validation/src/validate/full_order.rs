@@ -1,5 +1,5 @@
-//! Choices held against full finite elements as well, on a mesh three times as fine along the flanks as the scene's, which
-//! touch with their elements and a penalty: nothing of them is a half-space's. They take minutes a scene.
+//! Comparison of choices with full finite elements on a mesh three times as fine along the flanks as that of the scene,
+//! with contact of elements by a penalty and no half-spaces. A scene takes minutes.
 
 use super::measure::{error, grid};
 use super::reference::first;

@@ -30,8 +30,8 @@ pub fn grid(duration: f64, contact_time: f64) -> Vec<f64> {
         .collect()
 }
 
-/// Ends a run whose numbers have no meaning any more [rad/s, m/s]: an unstable one would go on for ever, as teeth that
-/// spin that fast pass by the thousand in every step. Costs nothing beside a step.
+/// Velocity from which on a run is stopped as meaningless [rad/s, m/s]: an unstable run would never end, as teeth at
+/// such speeds pass by the thousand in every step.
 const MEANINGLESS: f64 = 1e6;
 
 /// Stops a timed run with such speeds.
@@ -72,8 +72,8 @@ pub fn error(run: &Outcome, metric: Metric, reference: &Outcome) -> Option<f64> 
     error.filter(|e| e.is_finite())
 }
 
-/// Time of one run through the scene [s]: the shortest of a batch of repeats, on a processor where it is long
-/// enough to be told from ticks. `None` when it failed or took longer than `limit`.
+/// Time of one run through the scene [s]: the shortest of a batch of repeats, in processor time if that is long enough
+/// for its resolution. `None` if the run failed or took longer than `limit`.
 pub fn time(trial: &mut Trial<'_>, method: &Scheme, duration: f64, limit: Duration) -> Option<f64> {
     let mut integrator = method.method.build();
     let mut shortest = f64::INFINITY;

@@ -1,10 +1,10 @@
 //! Validation of model choices on random scenes: every candidate is compared with a refined model over the whole scene.
 //!
-//! For a scene validation runs the reference, then every candidate there is: what it costs, and how far it is off. The
-//! cheapest that keeps the tolerance is what a choice can be at best. Candidates that cannot be the cheapest are not run
-//! to the end: those that cost more than the cheapest adequate one so far need no error, and where a candidate costs
-//! three times that, the same integrator with shorter steps, or with more modes, is not run at all. At the end the
-//! choice and the cheapest are timed in turn.
+//! For each scene the reference and then every candidate is run, for cost and error. The cheapest candidate within the
+//! tolerance is the best possible choice. Candidates that cannot be the cheapest are not run to the end: those that
+//! cost more than the cheapest adequate one so far need no error, and if a candidate costs three times that, the same
+//! integrator with shorter steps, or with more modes, is not run at all. At the end the choice and the cheapest
+//! candidate are timed alternately.
 
 mod full_order;
 mod measure;
@@ -372,8 +372,8 @@ fn try_one(
     Ok(tried)
 }
 
-/// Order in which candidates are tried, so that cheap ones come first and dear ones need not be run: steps, by what one
-/// costs with so many coordinates. Only an order; nothing is validated by it.
+/// Estimated cost of a candidate, number of steps times cost per step, by which candidates are ordered so that cheap
+/// ones come first. Results do not depend on it.
 fn effort(c: &Candidate) -> f64 {
     // A step of rigid gears, of movable teeth (which swing faster than steps say), of elastic gears, of each of their
     // modes.

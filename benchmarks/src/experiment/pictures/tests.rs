@@ -1,4 +1,4 @@
-//! Frames are read back and held against the run they are of.
+//! Frames are read back and compared with their run.
 
 use super::*;
 use crate::experiment::runner::Runner;

@@ -13,7 +13,8 @@ const TAKE_ELASTIC: &str =
 /// Selected models, and settings for the report.
 type Taken<'s> = (Vec<&'s ModelChoice>, Vec<(String, String)>);
 
-/// The models that labels ask for, or all of the study but full finite elements, and what a reader must know of them.
+/// Selects the models with some labels, or all of the study except full finite elements; also returns the settings for
+/// the report.
 ///
 /// # Errors
 /// Labels that are none, or full finite elements that are asked for.

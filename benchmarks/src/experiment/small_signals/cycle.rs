@@ -238,7 +238,8 @@ impl<'a> Cycle<'a> {
         })
     }
 
-    /// Slope of the force of a mesh by what its gears close it by, as rigid bodies: by displacement, or by their rate.
+    /// Stiffness or damping of a mesh by its rigid-body closing: difference quotient of the force by displacement, or
+    /// by velocity.
     ///
     /// On the way of one gear the stiffness changes as teeth pass, on that of the other as much the other way.
     fn slope(&mut self, s: &State, mesh: usize, of_rate: bool) -> f64 {

@@ -118,8 +118,8 @@ pub fn with_resonance(mode: MeshMode, found: Option<Resonance>) -> MeshMode {
     }
 }
 
-/// The resonance of the first mesh of a scene over its cycle; `None` where its gears stand still, where it is too large, or
-/// where a phase has no equilibrium.
+/// The resonance of the first mesh of a scene over its cycle; `None` if its gears are at rest, if it has too many
+/// coordinates, or if a phase has no equilibrium.
 pub fn resonance(scene: &mut Scene, spec: &SceneSpec, most: usize) -> Option<Resonance> {
     if scene.layout().n > most {
         return None;
@@ -128,7 +128,8 @@ pub fn resonance(scene: &mut Scene, spec: &SceneSpec, most: usize) -> Option<Res
     running.cycles.first()?.resonance()
 }
 
-/// The mesh modes of all models of a study whose scene has loads. What cannot be computed is a row with the reason.
+/// The mesh modes of all models of a study whose scene has loads. A mode that cannot be computed gives a row with the
+/// reason.
 ///
 /// # Errors
 /// [`JournalError`].

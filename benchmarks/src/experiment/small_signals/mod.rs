@@ -2,15 +2,15 @@
 //!
 //! | module | owns |
 //! |---|---|
-//! | `choice` | models with dense matrices |
-//! | [`cycle`] | the meshes through their cycles, slowly |
-//! | `damping` | damping ratios of modes, and frequencies with damping |
+//! | `choice` | selection of models with dense matrices |
+//! | [`cycle`] | meshes over their cycles in quasi-static motion |
+//! | `damping` | damping ratios and damped frequencies of modes |
 //! | `equilibrium` | the loaded state |
-//! | [`grounds`] | forces of mounts over the motion |
+//! | [`grounds`] | forces on the ground as functions of the motion |
 //! | [`mesh_mode`] | the mode that strains the meshes most, and its damping |
-//! | [`motions`] | natural motions, their damping and their energies |
-//! | [`response`] | frequency response to the passing of teeth |
-//! | `space` | motions without constraints and rigid ones, their modes |
+//! | [`motions`] | natural modes, their damping and energies |
+//! | [`response`] | frequency response to tooth meshing |
+//! | `space` | admissible motions and their modes |
 
 mod choice;
 pub mod cycle;

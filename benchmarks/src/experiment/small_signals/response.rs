@@ -1,5 +1,5 @@
-//! Frequency response of a scene to its teeth: what a train that runs at any speed answers to the passing of its teeth, to
-//! first order in forces, while no flanks part.
+//! Frequency response of a scene to its tooth meshing: linear in the forces, at any speed, as long as flanks stay in
+//! contact.
 //!
 //! Each mesh follows its own law through its cycle ([`cycle`](super::cycle)): with `e` the closing by the hubs, `b` what teeth and
 //! modes take of it, and `u = e - b` what is left for the contact,

@@ -144,8 +144,8 @@ fn first_touch(series: &TimeSeries) -> Option<f64> {
     }
 }
 
-/// Labels a run without any contact whose reference, of the same model, has one: its steps went over it. Where both
-/// touch but not as often, later contacts are others than those of the reference, and a large error says so.
+/// Sets the status of a run without contact whose reference, of the same model, has one: its steps passed over it. If
+/// both have contacts of different number, a large error is explained by the other sequence of contacts.
 pub fn against_contact(run: &mut Run, reference: &TimeSeries) {
     if run.status.is_failure() {
         return;

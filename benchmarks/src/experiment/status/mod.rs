@@ -45,8 +45,8 @@ pub const BLOWN_UP: f64 = 1e3;
 /// dip a little below zero just before the contact opens; the law itself never pulls.
 const ADHESION: f64 = 1e-3;
 
-/// The label of what an integrator says of itself. [`StepError::Unsupported`] and [`StepError::Interrupted`] are no ends
-/// of a run but refusals of one: [`run`](super::run::run) returns them as errors.
+/// The status of a run that ended with an integration error. [`StepError::Unsupported`] and [`StepError::Interrupted`]
+/// are refusals, not statuses: [`run`](super::run::run) returns them as errors.
 pub fn status_of(e: &StepError) -> Status {
     match e {
         // What a library's solver gives up on without a reason of its own are its implicit equations.
@@ -163,7 +163,8 @@ impl RunMonitor {
         Control::Stop
     }
 
-    /// Closes the books at the last state of a run that ended like `outcome`, and names what went wrong.
+    /// Closes the energy balance at the last state of a run that ended with `outcome`, and returns its status and
+    /// message.
     pub fn status(
         &mut self,
         sys: &mut dyn SecondOrderSystem,

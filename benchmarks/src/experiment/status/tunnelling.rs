@@ -1,13 +1,13 @@
 //! Detection of missed contacts (tunnelling).
 //!
-//! The displacements of two hubs say how far the flanks of rigid teeth would have moved into each other along the line of
-//! action: the approach less the gap they started with, or, on the other flank, less the rest of the backlash. Elastic
-//! teeth give way by their deflection, no more. So a contact was missed where
+//! The displacements of both hubs determine how far the flanks of rigid teeth would overlap along the line of action:
+//! the approach less the gap at the start or, on the other flank, less the rest of the backlash. The overlap of elastic
+//! teeth is at most their deflection. A contact was missed if
 //!
 //! - the overlap is larger than any deflection, a tenth of the module: teeth passed through each other;
-//! - it is clearly larger than the deflection, and no force acts: teeth stand in each other unseen;
-//! - within one step the flanks met and parted again, the scene's own search finds a contact at the point of return,
-//!   but the speeds changed as they would have without: the step went over it.
+//! - it is clearly larger than the deflection, and no force acts: an overlap without contact force;
+//! - within one step the flanks touched and separated again, and the scene's own search finds a contact at the point of
+//!   return, but the speeds changed as without a contact: the step passed over it.
 
 use super::Finding;
 use gearbench_integrators::{AcceptedStep, Outputs, SecondOrderSystem, State};
@@ -96,7 +96,8 @@ pub struct TunnellingDetector {
 }
 
 impl TunnellingDetector {
-    /// The meshes of a scene; those whose geometry rigid displacements do not tell are left out.
+    /// Creates a detector for the meshes of a scene, except for those whose gap does not follow from rigid
+    /// displacements.
     pub fn new(spec: &SceneSpec, scene: &Scene) -> Self {
         let pair = |m: usize| {
             let mesh = &spec.meshes[m];
@@ -213,8 +214,8 @@ impl TunnellingDetector {
         }
     }
 
-    /// A warning where teeth overlap by more than a tenth of the module: the laws and the linear elasticity of teeth say
-    /// nothing of such deflections.
+    /// A warning if teeth overlap by more than a tenth of the module: contact laws and linear elasticity are not valid
+    /// there.
     pub(super) fn warning(&self) -> Option<String> {
         let (m, time, depth) = self.deepest?;
         let (_, pair) = self.pairs.iter().find(|(mesh, _)| *mesh == m)?;

@@ -3,13 +3,13 @@
 //! | module | owns |
 //! |---|---|
 //! | `columns` | columns and units of a table by gear and mesh |
-//! | [`conditions`] | what differs from the scene: a scene as of a reference |
-//! | [`held`] | the data of references, and what they state of themselves against the scene |
-//! | `stored` | a stored reference against the gears of the scene |
-//! | `table` | how a table is read, and what its columns may be of |
+//! | [`conditions`] | conditions that differ from the scene, and the scene under them |
+//! | [`held`] | data of references, and their stated conditions compared with the scene |
+//! | `stored` | a stored reference compared with the gears of the scene |
+//! | `table` | reading of tables, and the quantities of their columns |
 //!
-//! A reference of the scene's own conditions is what studies hold models against; one of other conditions (speeds, loads,
-//! distances) serves identification, with the scene [`SceneFile::under`] it.
+//! A reference under the conditions of the scene serves studies for comparison; one under other conditions (speeds,
+//! loads, distances) serves identification, with the scene under these conditions ([`SceneFile::with`]).
 
 pub(super) mod columns;
 pub mod conditions;

@@ -63,7 +63,7 @@ integrators = [{ method = "dopri5", rtol = 1e-6 }, { method = "rk4", step_s = 1e
 /// Conical gears on intersecting axes.
 const SHIPPED_BEVELOID: &str = include_str!("../../../scenes/beveloid.toml");
 
-/// A set of maps of stability, to stand below the base scene.
+/// A set of maps of stability, to be appended to the base scene.
 const STABILITY: &str = r#"
 [[study.stability]]
 models = ["rigid"]

@@ -112,8 +112,8 @@ fn nothing_of_the_shipped_scenes_is_odd() {
     }
 }
 
-/// The direction that the page about the format gives for racks: this one stands to the right of its gear, whose rim
-/// moves upwards there.
+/// Direction of a rack according to the page on the format: this rack is to the right of its gear, whose rim moves
+/// upwards there.
 #[test]
 fn a_rack_moves_as_the_rim_of_a_counter_clockwise_gear() {
     let rack = "kind = \"rack\"\nteeth = 30";
