@@ -36,7 +36,7 @@ impl Instance {
     /// Sets the time of the host [s].
     ///
     /// # Errors
-    /// Of an instance of another kind, or no number.
+    /// The instance is of another kind, or the time is not finite.
     pub fn set_time(&mut self, time: f64) -> Done {
         self.running(Kind::ModelExchange)?;
         if !time.is_finite() {
@@ -52,7 +52,7 @@ impl Instance {
     /// Sets coordinates and velocities.
     ///
     /// # Errors
-    /// Of an instance of another kind, another number of states, or values that are no numbers.
+    /// The instance is of another kind, the number of states is wrong, or a value is not finite.
     pub fn set_states(&mut self, x: &[f64]) -> Done {
         self.running(Kind::ModelExchange)?;
         self.count(x.len())?;
@@ -68,7 +68,7 @@ impl Instance {
     /// Writes the continuous states to `x`: coordinates, then velocities.
     ///
     /// # Errors
-    /// Another number of states.
+    /// The length of `x` is not the number of states.
     pub fn states(&self, x: &mut [f64]) -> Done {
         self.count(x.len())?;
         let State { q, v, .. } = &self.memory.state;
@@ -81,7 +81,7 @@ impl Instance {
     /// Writes typical magnitudes of the continuous states to `x`; each is positive.
     ///
     /// # Errors
-    /// Another number of states.
+    /// The length of `x` is not the number of states.
     pub fn nominals(&self, x: &mut [f64]) -> Done {
         self.count(x.len())?;
         let (q, v) = x.split_at_mut(self.memory.state.q.len());
@@ -98,7 +98,7 @@ impl Instance {
     /// Writes the time derivatives of the continuous states to `x`.
     ///
     /// # Errors
-    /// Another number of states; derivatives that overflow.
+    /// The length of `x` is not the number of states, or a derivative is not finite.
     pub fn derivatives(&mut self, x: &mut [f64]) -> Done {
         self.count(x.len())?;
         numbers("derivative of state", self.rates())?;
@@ -109,7 +109,7 @@ impl Instance {
     /// Writes the values of the event functions to `z`.
     ///
     /// # Errors
-    /// Another number of them.
+    /// The length of `z` is not the number of event functions.
     pub fn event_functions(&mut self, z: &mut [f64]) -> Done {
         if z.len() != self.coupled.interface.event_functions {
             return fail(format!(
@@ -136,7 +136,7 @@ impl Instance {
     /// Handles an event: switches the event functions that fall through zero until none does, then commits the state.
     ///
     /// # Errors
-    /// Of an instance of another kind, and where branches chatter.
+    /// The instance is of another kind, or contacts chatter.
     pub fn update(&mut self) -> Done<Update> {
         self.running(Kind::ModelExchange)?;
         self.settle();
@@ -172,7 +172,7 @@ impl Instance {
     /// Notes a completed step of the host; returns true if the host must enter event mode.
     ///
     /// # Errors
-    /// Of an instance of another kind.
+    /// The instance is of another kind.
     pub fn completed(&mut self) -> Done<bool> {
         self.running(Kind::ModelExchange)?;
         self.settle();

@@ -124,7 +124,7 @@ impl Instance {
     /// Opens the resources of an FMU.
     ///
     /// # Errors
-    /// What is missing among them, or was changed.
+    /// A resource is missing or was changed.
     pub fn open(kind: Kind, resources: &Path, token: &str) -> Result<Self, OpenError> {
         let Opened {
             coupled,
@@ -204,7 +204,7 @@ impl Instance {
     /// Ends the initialisation.
     ///
     /// # Errors
-    /// Where it was not begun.
+    /// The initialisation was not begun.
     pub fn exit_initialisation(&mut self) -> Done {
         if self.memory.phase != Phase::Initialising {
             return fail("the initialisation was not begun");
@@ -273,7 +273,7 @@ impl Instance {
     /// Sets an input, or before the end of the initialisation a state.
     ///
     /// # Errors
-    /// What cannot be set, and what is no number.
+    /// The variable cannot be set, or the value is not finite.
     pub fn set(&mut self, reference: u32, value: f64) -> Done {
         let role = self.role(reference)?;
         if !value.is_finite() {
@@ -311,7 +311,7 @@ impl Instance {
     /// The value of a Boolean variable.
     ///
     /// # Errors
-    /// Where the variable is none.
+    /// The variable is not a Boolean.
     pub fn get_flag(&self, reference: u32) -> Done<bool> {
         match self.role(reference)? {
             Role::Interpolate => Ok(self.memory.interpolate),
@@ -322,7 +322,7 @@ impl Instance {
     /// Sets a Boolean variable.
     ///
     /// # Errors
-    /// Where the variable is none, or after the initialisation.
+    /// The variable is not a Boolean, or the initialisation has ended.
     pub fn set_flag(&mut self, reference: u32, value: bool) -> Done {
         match (self.role(reference)?, self.memory.phase) {
             (Role::Interpolate, Phase::Running) => {

@@ -50,7 +50,7 @@ impl Instance {
     /// Derivative of an output, of order one or two.
     ///
     /// # Errors
-    /// Another order, or what is no output.
+    /// The order is not one or two, or the variable is not an output.
     pub fn slope(&mut self, reference: u32, order: i32) -> Done<f64> {
         self.running(Kind::CoSimulation)?;
         let variable = self.coupled.interface.variables.get(reference as usize);

@@ -1,10 +1,10 @@
 //! Coverage of the 95 % confidence intervals of `gearbench identify` on synthetic data.
 //!
-//! A model with the constants of its calibration makes a reference impact. Sets of data are made of it: the history is
-//! shifted by an offset of the clock that nobody knows, and noise is added that has the spectrum of what the fit to the
-//! real reference leaves over. That noise is a moving average of independent normal numbers whose coefficients are the
+//! A model with the constants of its calibration generates a reference impact. Data sets are derived from it: the
+//! history is shifted by an unknown offset of the clock, and noise is added with the spectrum of the residuals of the
+//! fit to the real reference. That noise is a moving average of independent normal numbers whose coefficients are the
 //! residuals themselves, `u_t = n^(-1/2) sum_j r_j e_(t-j)`: its autocovariance is that of the residuals. Each set is
-//! fitted as a user would fit it, offset included, and each interval either holds what the data were made with or not.
+//! fitted as by a user, offset included, and each interval is checked for the true value.
 
 use crate::sampling::random::Random;
 use crate::validate::ValidationError;

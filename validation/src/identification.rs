@@ -2,8 +2,8 @@
 //! at one speed, and compared with them at a third and at three times that speed; the fitted stiffnesses are compared
 //! with published, standard, computed and static ones.
 //!
-//! Finite elements run as their scene says; their history is cut where the gears have parted, because at another speed
-//! they reach the other flanks at another time.
+//! Finite elements run under the conditions of their scene. Their history is cut at the separation of the gears,
+//! because at another speed they reach the other flanks at another time.
 
 use crate::validate::ValidationError;
 use gearbench::experiment::conditions::even;

@@ -3,15 +3,15 @@
 //!
 //! | module | owns |
 //! |---|---|
-//! | [`agreement`] | whether `compare` and `choose` answer alike on scenes of users |
+//! | [`agreement`] | agreement of `compare` and `choose` on scenes in the style of users |
 //! | [`arguments`] | the command line |
 //! | [`sampling`] | random scenes: sets, seeds, distributions |
 //! | [`validate`] | one scene: its reference, all candidates, the choice |
 //! | [`campaign`] | a set of scenes, in parallel, with a journal |
-//! | [`reduction`] | elastic gears against full finite elements on the same scenes |
-//! | [`coverage`] | whether the intervals of identified constants hold the truth |
-//! | [`figures`] | figures that the documents quote: commands, stored values, comparison |
-//! | [`identification`] | identified constants against finite elements at other speeds |
+//! | [`reduction`] | elastic gears compared with full finite elements on the same scenes |
+//! | [`coverage`] | coverage of the intervals of identified constants on synthetic data |
+//! | [`figures`] | figures in the documents: commands, stored values, comparison |
+//! | [`identification`] | identified constants compared with finite elements at other speeds |
 
 mod agreement;
 mod arguments;

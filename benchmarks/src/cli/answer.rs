@@ -1,8 +1,9 @@
 //! The result of a command: its exit code and, for programs, one JSON object (`--json`).
 //!
-//! An object has `command`, `exit` (code and meaning), `warnings` and what the command found: a study the `results` of its
-//! record without histories, under the keys of `results.json`, and the paths of `record` and `report`; other commands
-//! keys of their own. One of bad input or a failed run stands on standard error, with `error` (message, file, line, help).
+//! An object has the keys `command`, `exit` (code and meaning) and `warnings`. A study adds the `results` of its record
+//! without histories, under the keys of `results.json`, and the paths of `record` and `report`; other commands add keys
+//! of their own. After bad input or a failed run the object is written to standard error, with `error` (message, file,
+//! line, help).
 
 use super::exit::Exit;
 use gearbench_reports::record::Results;

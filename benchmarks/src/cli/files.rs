@@ -1,9 +1,9 @@
 //! Output files of commands. They are written completely or not at all, and never replace an input or a file of another
 //! program.
 //!
-//! A file gets its name when it is whole and on disk. Until then it is `.NAME.PID-N.part` beside its place, created anew,
-//! so that no link is followed. A failure removes it. A kill leaves it, and the next file of that name removes it: its
-//! writer held a lock on it that the system has freed.
+//! A file gets its name when it is complete and on disk. Until then it is `.NAME.PID-N.part` in the same folder,
+//! created anew, so that no link is followed. A failure removes it. A killed process leaves it, and the next file of
+//! that name removes it, as the system has freed the lock of its writer.
 
 use super::refusal::Refusal;
 use std::fs::{self, File};
@@ -48,7 +48,7 @@ impl Staged {
     /// Renames the complete file to its final name.
     ///
     /// # Errors
-    /// When it cannot be brought to disk, or its place not be taken; what was there before stays.
+    /// The file cannot be synced or renamed; an existing file then stays.
     pub fn keep(mut self) -> io::Result<()> {
         self.file.sync_all()?;
         fs::rename(&self.part, &self.path)?;
@@ -109,7 +109,7 @@ pub fn folder_of(path: &Path) -> &Path {
 /// Writes a file completely or not at all.
 ///
 /// # Errors
-/// When it cannot be written; what was there before stays.
+/// The file cannot be written; an existing file then stays.
 pub fn write_whole(path: &Path, contents: impl AsRef<[u8]>) -> io::Result<()> {
     let mut staged = Staged::begin(path)?;
     staged.write_all(contents.as_ref())?;
@@ -143,7 +143,7 @@ impl Overwriting<'_> {
     /// Checks, before any computation, that a file may be written.
     ///
     /// # Errors
-    /// A refusal with a way out.
+    /// [`Refusal`] with help.
     pub fn check(&self, path: &Path) -> Result<(), Refusal> {
         let refuse = |what: &str, help: &str| {
             Err(Refusal::Input(miette::miette!(

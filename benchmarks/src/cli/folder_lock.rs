@@ -1,7 +1,7 @@
 //! The lock of an output folder, which allows one process at a time to write there.
 //!
 //! The lock is one of the operating system on the file `.lock`, which the system frees when its process ends, however it
-//! ends. The file names the owner for whoever comes second.
+//! ends. The file names the owner for a second process.
 
 use super::refusal::Refusal;
 use super::terminal;

@@ -166,7 +166,7 @@ impl Cli {
     /// Parses the words of a command line, beginning with the program.
     ///
     /// # Errors
-    /// The error names the wrong argument, or carries the help text that was asked for.
+    /// The error names the wrong argument, or contains the requested help text.
     fn read(
         words: impl IntoIterator<Item = impl Into<OsString> + Clone>,
     ) -> Result<Self, clap::Error> {

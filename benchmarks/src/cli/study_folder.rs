@@ -74,7 +74,7 @@ impl StudyFolder {
     /// Opens the folder of a study of a scene, which becomes part of the record.
     ///
     /// # Errors
-    /// Those of [`StudyFolder::open`], and [`Refusal::Input`] when files that the scene reads are among the results.
+    /// As [`StudyFolder::open`], and [`Refusal::Input`] when files that the scene reads are among the results.
     pub fn of(output: &Output, scene: &SceneFile, study: &str) -> Result<Self, Refusal> {
         Self::begin(output, (&scene.name, study), Some(scene))
     }

@@ -1,9 +1,9 @@
 //! The only writer to standard output and standard error, with functions that commands share.
 //!
-//! Standard output has the answer: lines for people, or one JSON object (`--json`), or nothing (`--quiet`). Standard error
-//! has refusals, warnings and progress. A reader that goes away (`gearbench list | head -1`) ends the output and not the
-//! command, whose files and exit code are those of a whole one. A full disk behind standard output is an error, and so is an
-//! object that nobody can read.
+//! Standard output contains the result: lines of text, or one JSON object (`--json`), or nothing (`--quiet`). Standard
+//! error contains refusals, warnings and progress. A closed pipe (`gearbench list | head -1`) ends the output but not
+//! the command, whose files and exit code stay the same. A full disk behind standard output is an error, and so is a
+//! JSON object that cannot be written.
 
 use super::answer::{self, Answer};
 use super::arguments::Insist;

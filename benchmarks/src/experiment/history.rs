@@ -1,8 +1,8 @@
 //! Histories of a run: channels on a grid and around contacts, and the force between events.
 //!
-//! Readers get channels on an even grid, and between its times those of the steps in contact, or pictures would cut the
-//! peaks of short impacts in a long run. Metrics get the [force between events](super::force). The state of the largest
-//! force is kept for the picture.
+//! Plots use channels at equidistant times, and at the steps in contact between them, without which plots of long runs
+//! would miss the peaks of short impacts. Metrics use the [force between events](super::force). The state at the
+//! largest force is kept for the contact snapshot.
 
 use super::contact_log::ContactLog;
 use super::force::{ForceRecorder, is_located};

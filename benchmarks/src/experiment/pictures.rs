@@ -1,9 +1,9 @@
 //! Frames of a run for ParaView: displaced bodies of all gears with contact forces.
 //!
-//! A frame is one grid (`NAME/frame_0000.vtu`), the run a collection of frames with their times (`NAME.pvd`). Nodes stand
-//! where they are; `displacement` is how far they are off the rigid motion of their gear, as it is, so that a warp by `s` of it
-//! shows `1 + s` times the displacement. Each contact acts on the node that is nearest to it: `contact_force` is the
-//! sum of these, `contact_pressure` the largest that a contact with a pressure has there, 0 elsewhere.
+//! A frame is one grid (`NAME/frame_0000.vtu`), the run a collection of frames with their times (`NAME.pvd`). Nodes are
+//! in their displaced positions; `displacement` is the deviation from the rigid motion of the gear, so that a warp by
+//! `s` of it shows `1 + s` times the displacement. Each contact acts on its nearest node: `contact_force` is the sum of
+//! these forces, `contact_pressure` the largest contact pressure there, 0 elsewhere.
 
 use super::run::RunError;
 use gearbench_integrators::State;
@@ -63,7 +63,7 @@ impl Pictures {
     /// Writes the frames of a run, one at a time.
     ///
     /// # Errors
-    /// What a file cannot be written for, or a body not be known.
+    /// A file cannot be written, or a frame cannot be computed.
     pub fn write(
         &self,
         spec: &SceneSpec,

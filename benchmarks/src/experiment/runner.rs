@@ -150,7 +150,7 @@ impl<'a> Runner<'a> {
     /// Returns the result of a piece of work from the journal, or computes and stores it.
     ///
     /// # Errors
-    /// Those of the work, and [`JournalError`].
+    /// Errors of the work, and [`JournalError`].
     pub fn piece<T, E>(&self, key: Key, make: impl FnOnce() -> Result<T, E>) -> Result<T, E>
     where
         T: Serialize + DeserializeOwned,
@@ -173,7 +173,7 @@ impl<'a> Runner<'a> {
     /// run and a panic give a row without result, so that other runs continue.
     ///
     /// # Errors
-    /// Those of the work, and [`JournalError`].
+    /// Errors of the work, and [`JournalError`].
     pub fn row<E: From<JournalError> + ModelRefusal>(
         &self,
         key: Key,
@@ -187,7 +187,7 @@ impl<'a> Runner<'a> {
     /// [`Runner::row`] with data that the next row needs; the default of the type where a row has no result.
     ///
     /// # Errors
-    /// Those of the work, and [`JournalError`].
+    /// Errors of the work, and [`JournalError`].
     pub fn row_with<X, E>(
         &self,
         key: Key,
@@ -219,7 +219,7 @@ impl<'a> Runner<'a> {
     /// a panic it returns the result of `not_made`, which the journal does not store.
     ///
     /// # Errors
-    /// Those of the work, and [`JournalError`].
+    /// Errors of the work, and [`JournalError`].
     pub fn guarded<T, E>(
         &self,
         key: Key,

@@ -48,7 +48,7 @@ impl Coupled {
     /// Assembles a model of a scene, with hubs that the host moves.
     ///
     /// # Errors
-    /// A gear that is not there or that nobody can move, or what cannot be assembled.
+    /// A gear that does not exist or cannot be moved, or a model that cannot be assembled.
     pub fn assemble(
         file: &SceneFile,
         choice: &ModelChoice,

@@ -9,8 +9,8 @@
 //! | [`coupled`] | the scene with the inputs of a host: a load on every free hub, a prescribed motion of every moved one |
 //! | [`interface`] | variables, their names, units and roles |
 //! | [`description`] | `modelDescription.xml` |
-//! | [`settings`] | what the library is told beside the scene; opening of unpacked resources |
-//! | [`package`] | the entries of the archive, and the archive |
+//! | [`settings`] | settings of the library in addition to the scene; opening of unpacked resources |
+//! | [`package`] | contents and archive |
 //! | `command` | `gearbench fmu` |
 
 pub mod arguments;

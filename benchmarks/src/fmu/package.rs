@@ -46,7 +46,7 @@ impl Package {
     /// Packs a model of a scene.
     ///
     /// # Errors
-    /// A scene that cannot be assembled with these inputs, or one that reads files that do not lie beside it.
+    /// A scene that cannot be assembled with these inputs, or that reads files outside its folder.
     pub fn of(
         file: &SceneFile,
         choice: &ModelChoice,

@@ -99,7 +99,7 @@ impl Settings {
 /// Opens the resources of an FMU.
 ///
 /// # Errors
-/// What is missing, was changed, or comes from another version.
+/// A resource is missing, was changed, or comes from another version.
 pub fn open(resources: &Path, token: &str) -> Result<Opened, OpenError> {
     let read = |name: &str| {
         let path = resources.join(name);

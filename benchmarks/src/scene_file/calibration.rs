@@ -277,7 +277,7 @@ impl Calibration {
     /// Reads the tables of constants at a place of a file.
     ///
     /// # Errors
-    /// [`SceneError`] at a name that is none, or a constant that is not positive.
+    /// [`SceneError`] at an unknown name, or a constant that is not positive.
     pub(super) fn of(sets: Sets, at: &Place<'_>) -> Result<Self, SceneError> {
         let mut calibration = Calibration::default();
         for (set, labels) in sets.0 {

@@ -18,7 +18,7 @@ const MOST_NAMED: usize = 3;
 /// Loads a shipped scene by name, or a file by path (ends in `.toml` or has a folder).
 ///
 /// # Errors
-/// [`SceneError`] with file, line and a way out.
+/// [`SceneError`] with file, line and help.
 pub fn load(path_or_name: &str) -> Result<SceneFile, SceneError> {
     load_for(path_or_name, Selection::All)
 }
@@ -39,7 +39,7 @@ pub enum Selection<'a> {
 /// Loads a scene as [`load`] does, but builds only the selected models.
 ///
 /// # Errors
-/// [`SceneError`] with file, line and a way out, also for labels that the scene does not have.
+/// [`SceneError`] with file, line and help, also for labels that the scene does not have.
 pub fn load_for(path_or_name: &str, selection: Selection<'_>) -> Result<SceneFile, SceneError> {
     load_with(path_or_name, selection, true)
 }
@@ -99,7 +99,7 @@ impl SceneFile {
 /// starts.
 ///
 /// # Errors
-/// [`SceneError`] with file, line and a way out.
+/// [`SceneError`] with file, line and help.
 pub fn load_uncalibrated(
     path_or_name: &str,
     selection: Selection<'_>,
@@ -111,7 +111,7 @@ pub fn load_uncalibrated(
 /// need not exist yet.
 ///
 /// # Errors
-/// [`SceneError`] with file, line and a way out.
+/// [`SceneError`] with file, line and help.
 pub fn load_unbuilt(path_or_name: &str) -> Result<SceneFile, SceneError> {
     let file = read(path_or_name, false)?;
     file.odd.iter().for_each(|odd| warn(&odd.told()));

@@ -1,8 +1,8 @@
 //! The list `[[meshes]]`: pairs of gears, distance and start. It determines the positions of the gears.
 //!
-//! A gear without `position_m` is placed by its first mesh: at `centre_distance_m`, or at the distance that
-//! leaves the normal backlash `backlash_m`, in the direction `direction_deg` from its mate. The first gear
-//! of the first mesh stands at the origin unless it says otherwise. Gears of one shaft stand on one axis, as far apart as there.
+//! A gear without `position_m` is placed by its first mesh: at `centre_distance_m`, or at the distance that gives the
+//! normal backlash `backlash_m`, in the direction `direction_deg` from its mate. The first gear of the first mesh is at
+//! the origin unless the file gives its position. Gears of one shaft are on one axis, at their distances on the shaft.
 
 use super::error::SceneError;
 use super::gear::GearDraft;

@@ -209,7 +209,7 @@ impl SceneFile {
     /// Parses the text of a scene; `name` is its name in errors.
     ///
     /// # Errors
-    /// [`SceneError`] with line and a way out.
+    /// [`SceneError`] with line and help.
     pub fn parse(
         name: &str,
         text: &str,
@@ -225,7 +225,7 @@ impl SceneFile {
     /// Parses a scene without building its models.
     ///
     /// # Errors
-    /// [`SceneError`]: what is wrong with the file, and where.
+    /// [`SceneError`] with the place in the file.
     pub fn unbuilt(
         name: &str,
         text: &str,

@@ -68,7 +68,7 @@ pub(super) fn pressure_angle(angle: f64, gear: &Place<'_>) -> Result<(), SceneEr
 /// Checks a scene; returns warnings, or the first error.
 ///
 /// # Errors
-/// [`SceneError`] of what cannot be; what is odd is returned.
+/// [`SceneError`] for an impossible value.
 pub(super) fn check(scene: &SceneFile) -> Result<Vec<SceneError>, SceneError> {
     let root = scene.document.at("");
     let mut odd = Vec::new();

@@ -8,7 +8,7 @@ impl SceneFile {
     /// the scene ([`SceneFile::refused`]) are left out.
     ///
     /// # Errors
-    /// [`SceneError`] lists the labels there are, or says why none of those models can run.
+    /// [`SceneError`] with the known labels, or with the reasons why none of the models can run.
     pub fn select(&self, labels: Option<&str>) -> Result<Vec<&ModelChoice>, SceneError> {
         let wanted: Vec<&str> = match labels {
             Some(text) => text

@@ -46,7 +46,7 @@ impl TableText {
 /// Reads a table of at most `largest` bytes; `from` explains what paths are relative to.
 ///
 /// # Errors
-/// [`Unreadable`] where the file is no table of text, or larger than what may be read.
+/// [`Unreadable`] if the file is not a text table, or too large.
 pub fn text(path: &Path, largest: u64, from: &str) -> Result<TableText, Unreadable> {
     let name = path.display().to_string();
     let refuse = |why: String, help: &str| Unreadable {

@@ -39,7 +39,7 @@ const MEMORY_OVER_TEXT: f64 = 3.0;
 /// Checks that a record, in a folder or at a path that ends in `.json`, is a file that fits into memory.
 ///
 /// # Errors
-/// [`Refusal::Input`] with the file and a way out.
+/// [`Refusal::Input`] with the file and help.
 pub(super) fn check_record(path: &Path) -> Result<(), Refusal> {
     let file = match path.extension().is_some_and(|e| e == "json") {
         true => path.to_owned(),

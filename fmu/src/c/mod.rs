@@ -77,7 +77,7 @@ fn caught<T>(act: impl FnOnce() -> T) -> Result<T, String> {
 /// Calls a function on an instance and logs its failure.
 ///
 /// # Safety
-/// `instance` is null, or one that an instantiating function returned and nobody freed or uses meanwhile.
+/// `instance` is null, or was returned by an instantiating function, is not freed and not in use elsewhere.
 unsafe fn with(
     instance: *mut c_void,
     function: &str,
@@ -115,7 +115,7 @@ unsafe fn read<'a, T>(p: *const T, n: usize) -> Done<&'a [T]> {
 /// Borrows an array of the host for writing.
 ///
 /// # Safety
-/// `p` is null or points to `n` of them, which nobody else uses.
+/// `p` is null or points to `n` elements, which are not in use elsewhere.
 unsafe fn fill<'a, T>(p: *mut T, n: usize) -> Done<&'a mut [T]> {
     match (n, p.is_null()) {
         (0, _) => Ok(&mut []),

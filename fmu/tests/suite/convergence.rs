@@ -1,10 +1,11 @@
 //! Co-simulation of a driveline with a pair of gears, against the same driveline as one system.
 //!
-//! The host has a motor, a shaft and the hub of the pinion; the FMU has the teeth and the wheel. The host goes first, on the
-//! torque of the teeth extrapolated from its value and derivatives; the FMU follows, on the motion of the hub between both
-//! ends of the step. What is extrapolated with `p` terms has an error of `H^p` over the run; a motion that is interpolated
-//! linearly one of `H^2` on springs, cubically less than the extrapolation. (A damper sees the mean speed at the end of a
-//! line, an error of first order: with dampers motions are to be cubic.)
+//! The host contains a motor, a shaft and the hub of the pinion; the FMU contains the teeth and the wheel. The host
+//! steps first, with the torque of the teeth extrapolated from its value and derivatives; the FMU follows, with the
+//! motion of the hub interpolated between both ends of the step. Extrapolation with `p` terms has an error of `H^p`
+//! over the run; linear interpolation of the motion has an error of `H^2` on springs, cubic interpolation less than the
+//! extrapolation. (With linear interpolation a damper has the mean speed at the end of the step, an error of first
+//! order: motions on dampers have to be cubic.)
 //!
 //! The whole is integrated through model exchange, the motion of the hub an input at each stage.
 

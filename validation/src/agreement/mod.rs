@@ -1,14 +1,14 @@
 //! Agreement of `compare` and `choose`. Both commands are run on typical scenes of users, and their records are
 //! compared with each other and with their own messages.
 //!
-//! | a contradiction is | |
+//! | contradiction | condition |
 //! |---|---|
 //! | models | one command calls the scene's own rigid gears adequate, the other not adequate, in the same metric and tolerance |
 //! | finding | the finding of `compare` does not name the cheapest adequate run of its record, or names one where there is none |
-//! | exit code | it is not what the record says |
-//! | tolerance | a model is called adequate whose error against refined gears (twice the elements, half-spaces) is beyond it |
+//! | exit code | the exit code does not agree with the record |
+//! | tolerance | an adequate model has an error against refined gears (twice the elements, half-spaces) above it |
 //!
-//! "Not decided" of one command contradicts no answer of the other; it is counted, with its reason.
+//! "Not decided" of one command does not contradict any verdict of the other; it is counted, with its reason.
 
 mod scenes;
 

@@ -55,7 +55,7 @@ pub struct Anchor {
 /// Finds the figures of a document in their order.
 ///
 /// # Errors
-/// A comment without a number before it, with an unknown unit or without an end: its line, and what is wrong.
+/// A comment has no number before it, an unknown unit or no end: message with its line.
 pub fn anchors(text: &str) -> Result<Vec<Anchor>, String> {
     let mut found = Vec::new();
     let mut from = 0;

@@ -28,7 +28,7 @@ pub struct Source {
 /// Reads all sources of figures from `validation/figures.toml`.
 ///
 /// # Errors
-/// The file cannot be read as such: what TOML says of it.
+/// The file cannot be parsed: message of the TOML parser.
 pub fn sources() -> Result<Vec<Source>, String> {
     #[derive(Deserialize)]
     #[serde(deny_unknown_fields)]
@@ -43,7 +43,7 @@ impl Source {
     /// Runs the command in a folder and reads its figures.
     ///
     /// # Errors
-    /// The command does not start or writes no record, or a figure is not in what it writes.
+    /// The command does not start or writes no record, or a figure is missing in it.
     pub fn measure(&self, root: &Path, gearbench: &Path) -> Result<BTreeMap<String, f64>, String> {
         let mut words = self.command.split_whitespace();
         let program = words.next().ok_or("an empty command")?;

@@ -106,7 +106,7 @@ struct SetRow {
 /// Returns the set with a name.
 ///
 /// # Errors
-/// [`SampleError::Set`] names those there are.
+/// [`SampleError::Set`] with the names of the existing sets.
 pub fn set(name: &str) -> Result<Set, SampleError> {
     let rows: BTreeMap<String, SetRow> =
         toml::from_str(SETS).map_err(|e| SampleError::Sets(e.to_string()))?;

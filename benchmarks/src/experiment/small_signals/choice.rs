@@ -17,7 +17,7 @@ type Taken<'s> = (Vec<&'s ModelChoice>, Vec<(String, String)>);
 /// the report.
 ///
 /// # Errors
-/// Labels that are none, or full finite elements that are asked for.
+/// Unknown labels, or requested full finite elements.
 pub fn taken<'s>(scene: &'s SceneFile, labels: Option<&str>) -> Result<Taken<'s>, SceneError> {
     let choices = scene.select(labels)?;
     let large = |c: &&ModelChoice| {

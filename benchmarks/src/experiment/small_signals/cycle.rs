@@ -1,23 +1,24 @@
 //! Meshes of a scene in quasi-static motion: closing, force, compliance and damping of each mesh over one mesh cycle.
 //!
-//! At each phase the loaded state is found anew. Of a mesh are kept, with `N` the sum of its normal forces,
+//! The loaded state is computed at each phase. With `N` the sum of the normal forces of a mesh, the results are
 //!
 //! ```text
-//! w = dN/dq / k                          what a coordinate adds to the closing of the flanks (at the first phase)
+//! w = dN/dq / k                          closing of the flanks by unit of a coordinate (at the first phase)
 //! e, N_s                                 closing by the hubs under the loads, and force
-//! C = de/dN                              along the loads, K x = f: all that bends between the hubs
-//! k, c = dN/d(closing), dN/d(its rate)   while teeth and modes go with their gear as a rigid body
+//! C = de/dN                              along the loads, K x = f: total compliance between the hubs
+//! k, c = dN/d(closing), dN/d(its rate)   with teeth and modes fixed to their gear
 //! ```
 //!
-//! Meshes of one frequency are taken together, so that their phases to each other are those of the scene. Motions are seen
-//! from the carriers of planetary sets.
+//! Meshes of one frequency are computed together, so that their relative phases are those of the scene. Motions are
+//! relative to the carriers of planetary sets.
 //!
-//! **Resonance.** At each phase one natural mode without damping is that of the meshes of a frequency: in it the hubs close them
-//! most, `k (r x)^2 / omega^2` with the closing `r x` by the hubs and the stiffness `k` between these. The strain of the contacts
-//! themselves does not tell it: of elastic gears a contact that swings on its own teeth, ten times as fast, has more. The
-//! resonance of these meshes is the root mean square of its frequencies over the cycle, which of two gears is the frequency on the mean
-//! tangent stiffness; the least and the greatest are its range. `modes`, `response`, `sweep` and the mesh modes of all other
-//! studies have it from here.
+//! **Resonance.** At each phase one undamped natural mode is the mesh mode of the meshes of a frequency: the mode in
+//! which the hubs close them most, by `k (r x)^2 / omega^2` with the closing `r x` by the hubs and the stiffness `k`
+//! between them. The strain energy of the contacts alone does not identify it: in elastic gears a contact that vibrates
+//! on its own teeth, at ten times the frequency, has more. The resonance of these meshes is the root mean square of the
+//! frequencies of the mesh mode over the cycle, for two gears the frequency of the mean tangent stiffness; its range is
+//! from the least to the greatest. `modes`, `response`, `sweep` and the mesh modes of all other studies use this
+//! resonance.
 
 use super::equilibrium::pressed;
 use super::{Loaded, NotSolved, loaded};
@@ -379,7 +380,7 @@ fn frequencies(scene: &Scene, spec: &SceneSpec, seen: &State) -> Vec<f64> {
 /// Follows a scene quasi-statically through the cycles of its meshes, with `phases` phases each.
 ///
 /// # Errors
-/// [`NotSolved`] where a loaded state is not found, where gears stand still, or a mesh carries no load.
+/// [`NotSolved`] if a loaded state is not found, if gears are at rest, or if a mesh carries no load.
 pub fn running(scene: &mut Scene, spec: &SceneSpec, phases: usize) -> Result<Running, NotSolved> {
     let start = loaded(scene, true)?;
     let seen = scene.relative_state(&start.state);

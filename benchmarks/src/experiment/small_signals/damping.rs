@@ -1,15 +1,16 @@
 //! Damping of the natural modes of a linearised scene.
 //!
-//! With orthonormal modes `Phi` in coordinates of unit mass the damping matrix is `d = Phi^T D Phi`. Where it is diagonal the
-//! ratios are `d_ii / (2 omega_i)`, exactly. Dampers that couple modes, and gyroscopic terms, which are skew, ask for the
-//! eigenvalues of the system in first order,
+//! With orthonormal modes `Phi` in coordinates of unit mass the damping matrix is `d = Phi^T D Phi`. If it is diagonal
+//! the damping ratios are exactly `d_ii / (2 omega_i)`. Dampers that couple modes, and gyroscopic terms, which are
+//! skew, require the eigenvalues of the first-order system,
 //!
 //! ```text
 //! |  0      1 |            z = -zeta omega +- i omega sqrt(1 - zeta^2)
 //! | -Omega^2 -d |
 //! ```
 //!
-//! each given to the mode that has the largest part in its vector. Of more coordinates than [`MOST`] the diagonal stands.
+//! each assigned to the mode with the largest component in its eigenvector. For more coordinates than [`MOST`] the
+//! diagonal is used.
 
 use faer::Mat;
 use nalgebra::DMatrix;

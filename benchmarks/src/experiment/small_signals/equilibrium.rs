@@ -1,17 +1,19 @@
 //! Static or steady equilibrium of a scene under its loads, and its linearisation there.
 //!
-//! A train that is free accelerates under its loads as a whole. With the rigid motions `Z` of the mechanism that part of the
-//! forces `f` deflects nothing and is left out,
+//! A free train accelerates as a whole under its loads. With the rigid-body motions `Z` of the mechanism, that part of
+//! the forces `f` causes no deflection and is left out,
 //!
 //! ```text
 //! P f(q, v) = 0,    P = 1 - M Z Z^T,    v = Z Z^T M v_0 + v_d
 //! ```
 //!
-//! which Newton's method solves in the modes of the stiffness at each state. Gears that stand apart have a motion against each
-//! other without stiffness: it is followed by a bounded step. A step ends where the power of the forces along it changes its
-//! sign, by bisection: the potential of loads and contacts falls on the way there, and contacts close and open as they have to. Speeds are those of the rigid motions nearest to the start, and
-//! `v_d` of what follows driven gears in the mechanism, so that dampers of contacts and shafts do nothing, while viscous loads do.
-//! Gears that go round with a carrier have its velocity where they are, and their centrifugal forces are part of `f`.
+//! which is solved by Newton's method in the modes of the stiffness at each state. Gears without contact have a
+//! relative motion without stiffness, which is followed by a bounded step. A step ends, by bisection, where the power
+//! of the forces along it changes its sign: the potential of loads and contacts decreases up to there, and contacts
+//! close and open accordingly. The velocities are those of the rigid-body motions nearest to the start, plus the
+//! velocities `v_d` of members that follow driven gears in the mechanism, so that dampers of contacts and shafts have
+//! no effect, while viscous loads do. Gears on a carrier have its velocity at their position, and their centrifugal
+//! forces are part of `f`.
 
 use super::NotSolved;
 use super::space::{Modes, Space};
@@ -203,7 +205,7 @@ fn slack_of(modes: &Modes) -> f64 {
 /// Computes the loaded state of a scene from its start; `loads` is true if loads act.
 ///
 /// # Errors
-/// [`NotSolved`] where there is none, or it was not found.
+/// [`NotSolved`] if there is no equilibrium, or if it was not found.
 pub fn loaded(scene: &mut Scene, loads: bool) -> Result<Loaded, NotSolved> {
     let mut s = scene.initial();
     let first = scene.linearised(s.at());

@@ -1,8 +1,8 @@
 //! The mesh mode of a model: of the natural motions of its scene about the equilibrium of the loads that in which the hubs close
 //! the meshes most; see [`super::cycle`].
 //!
-//! A damping that a scene states means different things to different models: a ratio of the contact's spring, of each mode of a
-//! body, of tooth springs. The damping ratio of the mesh mode is comparable across models.
+//! The damping of a scene has different meanings in different models: a ratio for the contact spring, for each mode of
+//! a body, or for tooth springs. The damping ratio of the mesh mode is comparable across models.
 
 use super::cycle::{PHASES, Resonance, mesh_mode_at, running};
 use super::motions::energies;

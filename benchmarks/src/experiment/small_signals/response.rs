@@ -1,17 +1,18 @@
 //! Frequency response of a scene to its tooth meshing: linear in the forces, at any speed, as long as flanks stay in
 //! contact.
 //!
-//! Each mesh follows its own law through its cycle ([`cycle`](super::cycle)): with `e` the closing by the hubs, `b` what teeth and
-//! modes take of it, and `u = e - b` what is left for the contact,
+//! Each mesh follows its own force law over its cycle ([`cycle`](super::cycle)). With `e` the closing by the hubs, `b`
+//! the deflection of teeth and modes, and `u = e - b` the deflection of the contact,
 //!
 //! ```text
 //! N = N_s + k (u - u_s) + c u'
-//! b = (C - 1/k) R N          R = 1 at rest: how teeth and modes answer at a frequency, over what they do slowly
+//! b = (C - 1/k) R N          R: dynamic over quasi-static compliance of teeth and modes, 1 at frequency zero
 //! M x'' + D x' + K x = loads - sum w N,      e = h x
 //! ```
 //!
-//! Stiffness varies as teeth pass: forces at the multiples of the mesh frequency are found together (harmonic balance), which
-//! is exact for a linear law. Meshes of another frequency keep the law of the first phase. `R` is that of the first phase.
+//! The stiffness varies with the tooth meshing: forces at all multiples of the mesh frequency are solved together
+//! (harmonic balance), which is exact for a linear law. Meshes of other frequencies keep the law of the first phase.
+//! `R` is that of the first phase.
 
 use super::cycle::{MeshCycle, MeshRow, Running};
 use super::{NotSolved, Space};
@@ -114,7 +115,7 @@ impl<'a> Response<'a> {
     /// Prepares the response to one mesh cycle of a scene in quasi-static motion.
     ///
     /// # Errors
-    /// [`NotSolved`] where matrices are none to work with.
+    /// [`NotSolved`] if a matrix is singular or not definite.
     pub fn new(
         scene: &Scene,
         running: &Running,

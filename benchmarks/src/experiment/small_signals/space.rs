@@ -1,9 +1,9 @@
 //! Space of admissible motions in coordinates of unit mass: the motions that satisfy the constraints, without
 //! rigid-body ones.
 //!
-//! With `M = L L^T` and `y = L^T x` a motion is held to the complement of some directions by Householder's reflections that
-//! take these to the first axes; what is left are `n - h` coordinates in which stiffness and damping are matrices, to
-//! rounding of their own size. No direction that is held gets a frequency.
+//! With `M = L L^T` and `y = L^T x` the constrained directions are mapped to the first axes by Householder reflections.
+//! The remaining `n - h` coordinates span the admissible motions; stiffness and damping are matrices over them,
+//! accurate to rounding relative to their own size. Constrained directions have no frequency.
 
 use super::NotSolved;
 use faer::Mat;

@@ -1,22 +1,22 @@
 //! Status of a run: one label for every kind of failure, with time, magnitude and advice.
 //!
-//! | label | when |
+//! | label | condition |
 //! |---|---|
-//! | newton failure | Newton's method did not converge, its matrix was singular, or a library's solver gave up |
-//! | step underflow | the tolerance asked for steps below what time resolves |
+//! | newton failure | Newton's method did not converge, its matrix was singular, or the solver of a library failed |
+//! | step underflow | the tolerance required steps below the resolution of time |
 //! | chatter | contacts open and close at one instant without end |
 //! | timeout | the bound of processor time of the integration, or of steps, was reached |
 //! | blow-up | a coordinate or an energy is not finite, or the energy has grown [`BLOWN_UP`]-fold |
-//! | energy growth | more than [`ENERGY_GROWTH`] of the energy that vibrates ([`Ledger::growth`]) is made up at the end, or [`HOPELESS`] of all energy on the way |
-//! | tunnelling | teeth passed through each other, or stood in each other without a force, or a step went over a contact |
+//! | energy growth | unexplained energy at the end ([`ENERGY_GROWTH`], [`Ledger::growth`]), or earlier ([`HOPELESS`]) |
+//! | tunnelling | teeth passed through each other, or overlapped without a force, or a step passed over a contact |
 //! | adhesive force | a contact pulled |
-//! | inaccurate | the run reached its end beyond the tolerance of its scene, or [`OWN_ERROR`] off its model's converged solution |
-//! | converged | none of these, and a comparison shows an error within the tolerance of the scene, or within [`OWN_ERROR`] of the model's converged solution |
-//! | unchecked | none of these, and no comparison: the run was not judged. That a method kept its own tolerance is no judgement |
+//! | inaccurate | the error exceeds the tolerance of the scene, or [`OWN_ERROR`] against the converged solution |
+//! | converged | the error is within the tolerance of the scene, or within [`OWN_ERROR`] of the converged solution |
+//! | unchecked | none of these, and no comparison; the method's own tolerance is no comparison |
 //!
-//! What an integrator says of itself ([`status_of`]) comes first; what only the whole run shows comes next, by a
-//! [`RunMonitor`] that watches it: whatever went wrong first names the run, because what follows is its consequence. What
-//! only a comparison shows comes last ([`against_contact`], [`judge`]).
+//! Errors of the integrator ([`status_of`]) have priority. Findings of the [`RunMonitor`] over the whole run come next:
+//! the first one sets the status, as later ones are its consequences. Results of comparisons come last
+//! ([`against_contact`], [`judge`]).
 
 mod compared;
 mod tunnelling;

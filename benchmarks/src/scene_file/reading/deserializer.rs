@@ -8,8 +8,8 @@
 //! | a word, or a table with a tag: `{ law = "flores", e = 0.9 }` | an enum renamed `<law>`; the variant reads the other keys. `<kind=gear>` gives the tag a default |
 //! | a value of one of several types | variants renamed `<number>`, `<text>`, `<flag>`, `<list>`, `<table>` |
 //!
-//! A newtype renamed `<gear>` takes a word that the file itself introduces, [`Context::known`](super::node::Context); one renamed
-//! `<distinct>` a list in which nothing stands twice. Lists are never empty, numbers always finite.
+//! A newtype renamed `<gear>` reads a name that the file itself defines, [`Context::known`](super::node::Context); one
+//! renamed `<distinct>` reads a list without duplicates. Lists are never empty, numbers always finite.
 
 use super::flaw::Flaw;
 use super::keys::{self, Table};

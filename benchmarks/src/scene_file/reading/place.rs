@@ -29,7 +29,7 @@ impl Document {
     /// them.
     ///
     /// # Errors
-    /// [`SceneError`] with line and a way out.
+    /// [`SceneError`] with line and help.
     pub(crate) fn read<T: for<'d> Deserialize<'d>>(
         name: &str,
         text: &str,

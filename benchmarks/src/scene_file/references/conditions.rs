@@ -117,7 +117,7 @@ impl ReferenceConditions {
     /// Applies the conditions to a scene.
     ///
     /// # Errors
-    /// The key that cannot be met, why, and a way out.
+    /// The key that cannot be fulfilled, the reason and help.
     pub fn apply(&self, spec: &mut SceneSpec) -> Result<(), Trouble> {
         for own in &self.gears {
             let Some(gear) = spec.gears.get_mut(own.gear) else {

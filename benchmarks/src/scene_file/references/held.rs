@@ -41,7 +41,7 @@ impl SceneFile {
     /// Reads the references under the conditions of the scene itself, with which its models are compared.
     ///
     /// # Errors
-    /// As [`SceneFile::held`]; those of other conditions are not read.
+    /// As [`SceneFile::held`]; references under other conditions are not read.
     pub fn held_of_the_scene(&mut self, any: bool) -> Result<Vec<Reference>, SceneError> {
         let own = |r: &&NamedReference| r.is_of_the_scene();
         let named: Vec<_> = self.references.iter().filter(own).cloned().collect();

@@ -1,7 +1,7 @@
 //! Refusals of files, gears and meshes: line, cause, expected value, help.
 //!
-//! A row of a table is `LINE: OLD => NEW`, what is replaced in the base scene and the line that is to blame, several
-//! replacements between `&&`; below it stand words of the refusal between `|`.
+//! A row of a table is `LINE: OLD => NEW`, the replacement in the base scene and the line of the error, several
+//! replacements separated by `&&`; the next line has words of the error, separated by `|`.
 
 use super::{BASE, parse, render};
 use crate::scene_file::{Origin, SceneFile, Selection, load, load_uncalibrated};
