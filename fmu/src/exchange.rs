@@ -24,7 +24,7 @@ pub struct Update {
     pub next: Option<f64>,
 }
 
-/// Refuses values that are not finite, with the place of the first.
+/// Refuses values that are not finite, and names the first one.
 fn numbers(what: &str, all: &[f64]) -> Done {
     match all.iter().position(|x| !x.is_finite()) {
         None => Ok(()),
@@ -49,7 +49,7 @@ impl Instance {
         Ok(())
     }
 
-    /// Sets coordinates and velocities.
+    /// Sets the continuous states: coordinates, then velocities.
     ///
     /// # Errors
     /// The instance is of another kind, the number of states is wrong, or a value is not finite.

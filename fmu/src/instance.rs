@@ -169,10 +169,11 @@ impl Instance {
         &self.coupled.interface
     }
 
-    /// Begins the initialisation; the scene starts at that time of the host, which does not step beyond `stop`.
+    /// Begins the initialisation at a time of the host, which becomes time zero of the scene; `stop` is the stop time
+    /// of the host.
     ///
     /// # Errors
-    /// After the initialisation; times that are no numbers or in the wrong order.
+    /// The instance is initialised already, or the times are not finite or in the wrong order.
     pub fn enter_initialisation(&mut self, time: f64, stop: Option<f64>) -> Done {
         if self.memory.phase != Phase::Instantiated {
             return fail("the instance is initialised already; reset it first");
@@ -194,14 +195,14 @@ impl Instance {
     /// Ends the simulation: variables can be read, and the instance can be reset or freed.
     ///
     /// # Errors
-    /// Before the end of the initialisation, and of an instance that is terminated already.
+    /// The instance is not initialised yet, or terminated already.
     pub fn terminate(&mut self) -> Done {
         self.running(self.kind)?;
         self.memory.phase = Phase::Terminated;
         Ok(())
     }
 
-    /// Ends the initialisation.
+    /// Ends the initialisation; the instance can then be stepped.
     ///
     /// # Errors
     /// The initialisation was not begun.
@@ -214,8 +215,10 @@ impl Instance {
         Ok(())
     }
 
+    /// Checks that the instance is of a kind and in its running phase.
+    ///
     /// # Errors
-    /// Before the initialisation, or of an instance of another kind.
+    /// The instance is of another kind, not initialised yet or terminated.
     pub(crate) fn running(&self, kind: Kind) -> Done {
         if self.kind != kind {
             return fail("the call does not belong to this kind of instance");
@@ -249,7 +252,7 @@ impl Instance {
     /// The value of a variable.
     ///
     /// # Errors
-    /// One that is not there, or is no number.
+    /// The variable does not exist, or is not a number.
     pub fn get(&mut self, reference: u32) -> Done<f64> {
         let role = self.role(reference)?;
         self.settle();
@@ -270,7 +273,7 @@ impl Instance {
         })
     }
 
-    /// Sets an input, or before the end of the initialisation a state.
+    /// Sets an input; before the end of the initialisation also a state.
     ///
     /// # Errors
     /// The variable cannot be set, or the value is not finite.
@@ -336,10 +339,10 @@ impl Instance {
         }
     }
 
-    /// Moves the scene over a communication step; returns the time at its end.
+    /// Advances the scene by a communication step; returns the time at its end.
     ///
     /// # Errors
-    /// A step from another time than the present one, beyond the stop time, or one that the method cannot make.
+    /// The step begins at another time than the present one, exceeds the stop time, or fails in the method.
     pub fn step(&mut self, from: f64, size: f64) -> Done<f64> {
         self.running(Kind::CoSimulation)?;
         if !(size > 0.0 && size.is_finite()) {

@@ -47,7 +47,7 @@ fn later(scene: &mut Scene, s: &State, h: f64) -> State {
 }
 
 impl Instance {
-    /// Derivative of an output, of order one or two.
+    /// Returns the first or second time derivative of an output.
     ///
     /// # Errors
     /// The order is not one or two, or the variable is not an output.

@@ -239,7 +239,7 @@ mod tests {
         assert!(csv(&plan, &rows).lines().count() == 2 + rows.len());
     }
 
-    /// Its autocovariance is that of the residuals.
+    /// The autocovariance of the noise is that of the residuals.
     #[test]
     fn the_noise_has_the_spectrum_of_the_residuals() {
         let residuals: Vec<f64> = (0..50).map(|i| (0.3 * f64::from(i)).sin()).collect();

@@ -70,7 +70,7 @@ pub struct Stiffness {
 pub struct Carried {
     /// Name of the scene.
     pub scene: String,
-    /// The fitted models.
+    /// The fitted models of the scene.
     pub fits: Vec<Fitted>,
     /// The rows of the table of stiffnesses.
     pub stiffnesses: Vec<Stiffness>,

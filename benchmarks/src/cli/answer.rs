@@ -84,7 +84,7 @@ fn head(command: &str, exit: Exit, warnings: Vec<String>) -> Map<String, Value> 
     all
 }
 
-/// File and line, from 1, of the first label.
+/// File and line (from 1) of the first label of an error.
 fn place(of: &dyn Diagnostic) -> Option<(String, usize)> {
     let label = of.labels()?.next()?;
     let source = of.source_code()?.read_span(label.inner(), 0, 0).ok()?;

@@ -15,7 +15,7 @@ pub enum Exit {
     FellShort,
     /// The input, an argument or an output path is wrong.
     BadInput,
-    /// A computation failed.
+    /// A computation of the command failed.
     FailedRun,
     /// The command was stopped by a signal.
     Interrupted,

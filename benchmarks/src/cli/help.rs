@@ -1,4 +1,4 @@
-//! `gearbench help`: the commands in groups, the help of one command, and the documents that come with the program.
+//! The command `gearbench help`: commands in groups, help of one command, and the embedded documents.
 
 use super::answer::Answer;
 use super::terminal::{self, Manner, Refusal};

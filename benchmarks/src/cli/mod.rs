@@ -214,8 +214,8 @@ pub fn run(cli: Cli) -> ExitCode {
     terminal::end(&told, done)
 }
 
-/// Makes a study again from its record. A record is input from elsewhere: its command has to be the study that the
-/// record is of, and all that the study writes goes into the output folder.
+/// Repeats a study from its record. As a record is external input, its command has to be the study of the record, and
+/// all output of the study goes into the given folder.
 fn again(args: &Rerun) -> Result<Answer, Refusal> {
     let again = rerun::prepare(args)?;
     let shown = again.command();

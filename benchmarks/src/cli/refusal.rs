@@ -10,7 +10,7 @@ use miette::Report;
 /// Reason why a command ended without result.
 #[derive(Debug)]
 pub enum Refusal {
-    /// The input is wrong.
+    /// The input of the command is wrong.
     Input(Report),
     /// Files could not be read or written.
     Files(String),

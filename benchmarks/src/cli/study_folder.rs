@@ -172,8 +172,8 @@ impl StudyFolder {
         }
     }
 
-    /// The refusal of a study that was interrupted before there was anything to report; the pieces that are finished are
-    /// kept for the next start.
+    /// The refusal for a study that was interrupted before there was a result; finished pieces are kept for the next
+    /// start.
     pub fn interrupted(&self) -> Refusal {
         let pieces = pieces(&self.path.join(JOURNAL));
         if pieces > 0 {

@@ -18,7 +18,7 @@ pub struct ProcessorClock {
 }
 
 impl ProcessorClock {
-    /// Starts a clock.
+    /// Starts a clock at the present time.
     pub fn start() -> ProcessorClock {
         ProcessorClock {
             processor: processor_time_of_all_threads(),

@@ -143,8 +143,8 @@ pub fn of_model(job: &Job<'_>, row: &Run, candidates: &[Candidate]) -> Result<Fo
     }
 }
 
-/// The solution by the first of the candidates that reaches the end within its steps. One whose steps, by how far a finer
-/// one came, will not do is not tried.
+/// Computes the solution by the first candidate that reaches the end within its bound of steps. A candidate that would
+/// exceed its bound, judged by the progress of a finer one, is not tried.
 ///
 /// # Errors
 /// [`RunError`] where the model cannot be built, or the user interrupts.

@@ -183,7 +183,8 @@ fn columns(patches: &[FlankPatch], width: f64) -> Vec<f64> {
     heights
 }
 
-/// Sections of the teeth in contact and of their neighbours, of gears that have nodes, at the height of the largest load.
+/// Deformed sections of the teeth in contact and of their neighbours at the height of the largest load, for gears with
+/// a finite element mesh.
 pub fn deformed_sections(
     spec: &SceneSpec,
     scene: &mut Scene,

@@ -215,7 +215,7 @@ impl ForceRecorder {
     }
 }
 
-/// The samples nearest to nodes between the first and the last, none too close to another.
+/// Selects the samples nearest to nodes between the first and the last sample, at least [`CLOSEST`] apart.
 fn choose(group: &[Sample], nodes: &[f64]) -> Vec<Sample> {
     let (first, last) = (group[0], group[group.len() - 1]);
     let length = last[0] - first[0];

@@ -151,7 +151,7 @@ impl History {
         (self.force).is_none_or(|[c, _]| self.out.channels[c] == 0.0)
     }
 
-    /// Evaluates the sample; a row of it stays where it is to be kept, or frames the begin or end of a contact.
+    /// Evaluates the sample and stores it as a row if `keep` is set or a contact begins or ends next to it.
     fn take(&mut self, sys: &mut dyn SecondOrderSystem, keep: bool, on_grid: bool) {
         sys.sample(self.sample.at(), &mut self.out);
         let force = self.force.map_or(0.0, |[c, _]| self.out.channels[c].abs());

@@ -50,7 +50,7 @@ pub fn catch() -> io::Result<()> {
     Ok(())
 }
 
-/// The signals that end the program, without those that whoever started it had it ignore, as `nohup` does.
+/// The signals that end the program, except for those that its parent process set to be ignored, as `nohup` does.
 fn signals() -> Vec<i32> {
     use signal_hook::consts::{SIGINT, SIGTERM};
     #[cfg(target_os = "linux")]

@@ -32,9 +32,9 @@ const BEGIN: &[u8] = b"{\"journal\":";
 pub struct Subject {
     /// Id of the study.
     pub study: String,
-    /// The scene as it is named: a shipped one, or a path.
+    /// Name of a shipped scene, or path of a scene file.
     pub scene: String,
-    /// Labels of the models that are chosen, between commas, in alphabetical order; `None` for those of the scene.
+    /// Labels of the selected models, separated by commas, in alphabetical order; `None` for the models of the scene.
     pub models: Option<String>,
 }
 
@@ -73,7 +73,7 @@ fn build() -> String {
     time.map_or_else(String::new, |t| format!(" {t:?}"))
 }
 
-/// A finished piece of work.
+/// A line of the journal: a finished piece of work.
 #[derive(Debug, Serialize, Deserialize)]
 struct Line<'a> {
     key: String,
@@ -382,7 +382,7 @@ mod tests {
         Journal::open(&folder.path().join(JOURNAL), &Subject::default(), fresh)
     }
 
-    /// A number that takes all its digits.
+    /// A number with 17 significant digits.
     const X: f64 = 0.1 + 0.2;
 
     #[test]
@@ -492,7 +492,7 @@ mod tests {
         }
     }
 
-    /// Lines of equal length that change their places while the journal is open are not taken for each other.
+    /// A line that was replaced by one of equal length while the journal was open is detected.
     #[test]
     fn a_result_is_that_of_its_key() {
         let folder = tempfile::tempdir().unwrap();

@@ -62,7 +62,7 @@ pub fn now() -> String {
 mod tests {
     use super::now;
 
-    /// `2026-11-22T10:09:15Z`, as records have always had it.
+    /// The date has the form of existing records, `2026-11-22T10:09:15Z`.
     #[test]
     fn dates() {
         let now = now();

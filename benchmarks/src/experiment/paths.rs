@@ -22,7 +22,7 @@ const ONSET: f64 = 0.5;
 /// Forces below this share of the greatest count as zero: load shares of zero are undefined.
 const NOTHING: f64 = 1e-3;
 
-/// Histories on the grid.
+/// Histories at the sampling times.
 struct Grid<'a> {
     scene: &'a Scene,
     history: &'a History,
@@ -48,7 +48,7 @@ impl Grid<'_> {
         self.mean_within([self.from, self.rows.len() - 1], value)
     }
 
-    /// Mean over time from one sample to another.
+    /// Mean over the time from one sample to another.
     fn mean_within(&self, [from, to]: [usize; 2], value: impl Fn(usize) -> f64) -> f64 {
         let span = self.time(to) - self.time(from);
         let sum: f64 = (from..to)
@@ -65,14 +65,14 @@ impl Grid<'_> {
     }
 }
 
-/// Work of a torque over a turn, from a sample on.
+/// Work of a torque over the rotation from a sample on [J].
 fn work(torque: &[f64], angle: &[f64], from: usize) -> f64 {
     let turns = angle[from..].windows(2).map(|w| w[1] - w[0]);
     let means = torque[from..].windows(2).map(|w| 0.5 * (w[0] + w[1]));
     turns.zip(means).map(|(turn, torque)| turn * torque).sum()
 }
 
-/// The paths of a scene with more than one mesh, or with shafts.
+/// Computes the torque paths of a scene with more than one mesh, or with shafts.
 pub fn torque_paths(
     spec: &SceneSpec,
     scene: &Scene,
@@ -126,7 +126,7 @@ pub fn torque_paths(
     Some(paths).filter(TorquePaths::is_finite)
 }
 
-/// How much the means of a run change between both halves of their time, [`TorquePaths::change_rel`].
+/// Relative change of the means of a run between both halves of their time, [`TorquePaths::change_rel`].
 fn change(spec: &SceneSpec, grid: &Grid<'_>, input: f64) -> f64 {
     let torques: Vec<[f64; 2]> = (0..spec.meshes.len())
         .flat_map(|m| OfMesh::TORQUES.map(|what| grid.halves(&grid.column(Channel::Mesh(m, what)))))

@@ -138,7 +138,7 @@ fn of_shafts(spec: &SceneSpec) -> impl Iterator<Item = Channel> + '_ {
     (0..torques).map(Channel::ShaftTorque).chain(bodies)
 }
 
-/// Torques of a gear.
+/// Channels of the torques of a gear.
 const TORQUES: [OfGear; 2] = [OfGear::ContactTorque, OfGear::MountTorque];
 
 /// Torques of contacts and mounts, by gear, from the values of their channels.
@@ -222,7 +222,8 @@ pub fn histories(job: &Job<'_>, scene: &Scene, history: &History) -> Histories {
     }
 }
 
-/// Speeds of a gear [rad/s]; of a rack its speed over the reference radius of the first gear that it meshes with.
+/// Angular speeds of a gear [rad/s]; for a rack its speed over the reference radius of the first gear that it meshes
+/// with.
 fn turning(scene: &SceneSpec, gear: usize, mut speed: Vec<f64>) -> Vec<f64> {
     let Some(Body::Rack(_)) = scene.gears.get(gear).map(|g| &g.body) else {
         return speed;
@@ -244,7 +245,8 @@ pub fn carrier_of(scene: &SceneSpec, gear: usize) -> Option<usize> {
     carries.map(|body| scene.gears.len() + body)
 }
 
-/// Transmission error of a mesh [m], [`spec::transmission_error`]; in a planetary set by the motions relative to its carrier.
+/// Transmission error of a mesh [m], [`spec::transmission_error`]; in a planetary set from the motions relative to its
+/// carrier.
 fn transmission_error(
     scene: &SceneSpec,
     mesh: usize,
@@ -272,8 +274,8 @@ fn seen_from_carrier(
     motions
 }
 
-/// Cycles of the first mesh since the start, by the turn of its first toothed wheel, in a planetary set relative to its
-/// carrier.
+/// Cycles of the first mesh since the start, from the rotation of its first toothed wheel; in a planetary set relative
+/// to its carrier.
 fn mesh_cycles(scene: &SceneSpec, displacement: impl Fn(usize) -> Vec<f64>) -> Option<Vec<f64>> {
     let mesh = scene.meshes.first()?;
     let turns = seen_from_carrier(scene, mesh, displacement);
@@ -291,11 +293,12 @@ fn mesh_cycles(scene: &SceneSpec, displacement: impl Fn(usize) -> Vec<f64>) -> O
 /// Range of the position in the backlash that the motion must exceed to be recorded: both flanks are then close to
 /// contact.
 const HAMMERING: [f64; 2] = [0.25, 0.75];
-/// Slowest over fastest speed of the second gear with which the error of the speed ratio is recorded.
+/// Least ratio of the lowest to the highest speed of the second gear for which the error of the speed ratio is
+/// recorded.
 const TURNING: f64 = 0.5;
 
-/// Of each mesh the place of the tooth in the backlash where it crosses that, and the error of the speed ratio where both
-/// gears keep turning.
+/// Columns of each mesh: position of the tooth in the backlash, if it crosses the backlash, and error of the speed
+/// ratio, if both gears keep rotating.
 fn motion_columns(spec: &SceneSpec, of_gear: &impl Fn(usize, OfGear) -> Vec<f64>) -> Vec<Column> {
     let mut found = Vec::new();
     for (m, mesh) in spec.meshes.iter().enumerate() {
@@ -327,7 +330,8 @@ fn span(values: &[f64]) -> [f64; 2] {
     })
 }
 
-/// Place of the tooth in the backlash: 0 where the flank of the start touches without load, 1 where the other one does.
+/// Position of the tooth in the backlash: 0 at load-free contact of the flank of the start, 1 at load-free contact of
+/// the other flank.
 fn backlash_position(
     spec: &SceneSpec,
     m: usize,
@@ -344,7 +348,7 @@ fn backlash_position(
     (least < HAMMERING[0] && most > HAMMERING[1]).then_some(place)
 }
 
-/// Error of the speed ratio, `-(r_b1 omega_1)/(r_b2 omega_2) - 1`, by the speeds of the hubs.
+/// Error of the speed ratio of the hubs, `-(r_b1 omega_1)/(r_b2 omega_2) - 1`.
 fn speed_ratio_error(
     spec: &SceneSpec,
     m: usize,
@@ -410,7 +414,7 @@ pub fn momenta(scene: &mut Scene, state: &State) -> Vec<f64> {
         .collect()
 }
 
-/// Impulse of the transverse force by the samples of a series [N s].
+/// Impulse of the transverse force from the samples of a series [N s].
 pub fn sampled_impulse(spec: &SceneSpec, series: &TimeSeries) -> f64 {
     let name = Channel::Mesh(0, OfMesh::Transverse).column(spec);
     let transverse = series.column(&name).unwrap_or_default();
@@ -527,7 +531,7 @@ pub fn snapshot(spec: &SceneSpec, scene: &mut Scene, state: &State) -> ContactSn
     }
 }
 
-/// Teeth of a contact, counted from 1 within each gear.
+/// Name of the tooth pair of a contact; teeth are counted from 1 within each gear.
 fn pair_name(spec: &SceneSpec, f: &gearbench_models::scene::ContactForce) -> String {
     let gears = spec.meshes[f.mesh].gears;
     let name = |k: usize| {

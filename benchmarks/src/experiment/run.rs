@@ -1,4 +1,4 @@
-//! One model under one integrator: a row of the record. A run that fails is a row as well.
+//! Run of one model under one integrator, as a row of the record. A failed run is a row as well.
 
 use super::contact_log::ContactLog;
 pub use super::error::RunError;
@@ -175,7 +175,7 @@ pub fn run_timed(job: &Job<'_>, together: Duration) -> Result<Run, RunError> {
     timed_in(job, &mut scene, setup, together)
 }
 
-/// [`run`] in a scene that has been built from the job's scene and models already, which took `setup`.
+/// Runs a job as [`run`] does, in a scene that was already built from the job within the time `setup`.
 pub fn run_in(job: &Job<'_>, scene: &mut Scene, setup: Duration) -> Result<Run, RunError> {
     timed_in(job, scene, setup, Duration::ZERO)
 }
@@ -190,7 +190,7 @@ fn timed_in(
     timed_from(job, scene, &mut state, (setup, together), None)
 }
 
-/// [`run_in`] from a state of the scene, which becomes the one that the run ends in.
+/// Runs a job as [`run_in`] does, from a given state of the scene, which becomes the final state.
 pub fn run_from(
     job: &Job<'_>,
     scene: &mut Scene,
@@ -200,7 +200,7 @@ pub fn run_from(
     timed_from(job, scene, state, (setup, Duration::ZERO), None)
 }
 
-/// [`run_in`], watched by one more observer.
+/// Runs a job as [`run_in`] does, with one more observer.
 pub fn run_watched(
     job: &Job<'_>,
     scene: &mut Scene,
@@ -382,7 +382,7 @@ fn timed_from(
     })
 }
 
-/// One integration of a job without observers and from the start, as often as it is called: for timings.
+/// Returns a function that integrates a job without observers from the start, for timings.
 pub fn bare<'j>(job: &'j Job<'_>, scene: &'j mut Scene) -> impl FnMut() + 'j {
     let mut method = job.method.method.build();
     let start = scene.initial();
@@ -392,7 +392,7 @@ pub fn bare<'j>(job: &'j Job<'_>, scene: &'j mut Scene) -> impl FnMut() + 'j {
     }
 }
 
-/// Integrates without timing or judging and returns the force at the grid times: for fits.
+/// Integrates without timing and status, and returns the force at the sampling times, for fits [N].
 pub fn force_on_grid(
     scene: &mut Scene,
     method: &mut dyn Integrator,

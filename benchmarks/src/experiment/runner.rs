@@ -250,7 +250,7 @@ pub enum NotMade<E> {
     Interrupted,
     /// The work ended with an error of the model or of the study.
     Error(E),
-    /// The program panicked.
+    /// The program panicked during the work.
     Panic(String),
 }
 
@@ -289,7 +289,7 @@ pub fn attempt<T, E>(make: impl FnOnce() -> Result<T, E>) -> Result<T, NotMade<E
     }
 }
 
-/// Numbers in the histories of a row.
+/// Size of the histories of a row, in numbers.
 fn numbers_of(row: &Run) -> usize {
     let of_series = |s: &TimeSeries| {
         let force = s.force.as_ref().map_or(0, ForceHistory::len);
@@ -348,7 +348,7 @@ mod tests {
         assert_eq!(open().len(), 1);
     }
 
-    /// Of three pieces that are there, a study that needs two goes on after two.
+    /// If a study needs two of three pieces in the journal, it announces two.
     #[test]
     fn only_pieces_that_are_used_are_announced() {
         let folder = tempfile::tempdir().unwrap();

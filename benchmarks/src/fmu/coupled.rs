@@ -36,7 +36,7 @@ pub struct Port {
 
 /// A scene with its ports and the variables of its FMU.
 pub struct Coupled {
-    /// The assembled scene.
+    /// The assembled scene with the added loads.
     pub scene: Scene,
     /// Ports of the host.
     pub ports: Vec<Port>,

@@ -208,7 +208,7 @@ pub(super) struct GearDraft {
 /// Keys that gears and racks share: mount, speed, inertia, position, loads.
 struct Hub {
     mount: (Mount, Option<Guide>),
-    /// Initial speed, its key and its value.
+    /// Key of the initial speed, and its value.
     speed: (&'static str, Option<f64>),
     inertia: Option<Positive>,
     added_inertia: Option<NotNegative>,

@@ -118,7 +118,8 @@ pub(super) enum Spin {
     Off,
 }
 
-/// The axis of a gear after its misalignment; `line` is the direction of the line of action of left flanks towards the mate.
+/// Returns the axis of a gear with its misalignment; `line` is the direction of the line of action of left flanks
+/// towards the mate.
 pub(super) fn misaligned(
     axis: Vec3,
     line: Vec3,

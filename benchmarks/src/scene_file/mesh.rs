@@ -114,7 +114,7 @@ fn direct(gears: &mut [GearDraft]) {
     }
 }
 
-/// Indices of the two gears.
+/// Indices of the two gears of a mesh.
 fn pair_of(keys: &MeshKeys, gears: &[GearDraft], at: &Place<'_>) -> Result<[usize; 2], SceneError> {
     let [one, two] = &keys.gears;
     let index = |name: &GearName| gears.iter().position(|g| g.spec.name == name.0);

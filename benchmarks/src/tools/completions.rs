@@ -1,4 +1,4 @@
-//! `gearbench completions SHELL`: a script that completes commands and options.
+//! The command `gearbench completions SHELL`: a script for the completion of commands and options.
 
 use crate::cli::Cli;
 use crate::cli::answer::Answer;

@@ -1,4 +1,4 @@
-//! `gearbench init`: a scene file to start from, or the files of a check.
+//! The command `gearbench init`: writes a scene file to start from, or the files of a check.
 
 use crate::cli::answer::Answer;
 use crate::cli::files::{Overwriting, write_whole};

@@ -15,7 +15,7 @@ fn none(count: usize, what: &str) -> Done {
     }
 }
 
-/// Accessors of a type of which there are no variables: `(instance, references, count, values, value count)`.
+/// Accessors of variables of a type that does not occur: `(instance, references, count, values, value count)`.
 macro_rules! no_variables {
     ($($get:ident, $set:ident, $value:ty, $what:literal;)*) => { $(
         #[unsafe(no_mangle)]

@@ -1,4 +1,4 @@
-//! The functions of FMI 3.0 for C, as `fmi3Functions.h` declares them; all 75, as hosts look for each of them.
+//! The C functions of FMI 3.0, as declared in `fmi3Functions.h`. All 75 exist, as hosts look up each of them.
 //!
 //! | module | owns |
 //! |---|---|

@@ -39,7 +39,7 @@ model = "rigid"
 contact = { stiffness = { kind = "constant", stiffness_n_per_m2 = 1.4e10, of = "mesh" }, damping = { law = "kelvin-voigt", damping_ns_per_m = 200.0 } }
 "#;
 
-/// Motor and hub [kg m2], shaft [N m/rad], torque of the motor [N m].
+/// Inertias of motor and hub [kg m^2]; below, stiffness of the shaft [N m/rad] and torque of the motor [N m].
 const INERTIA: [f64; 2] = [2e-3, 1e-3];
 const SHAFT: f64 = 2000.0;
 const MOTOR: f64 = 20.0;
@@ -83,7 +83,7 @@ fn runge_kutta<const N: usize>(
 /// Number of times at which both solutions are compared.
 const LOOKS: u32 = 20;
 
-/// The whole as one system: speeds of the hub at these times.
+/// Speeds of the hub at these times, from the driveline as one system.
 fn whole(package: &Package) -> Vec<f64> {
     let fmu = Fmu::exchanging(package);
     fmu.set("pinion.angle", PRESSED);

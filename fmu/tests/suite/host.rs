@@ -1,4 +1,4 @@
-//! A host: declarations of `fmi3Functions.h`, and an instance behind them.
+//! A host of FMUs for tests: declarations of `fmi3Functions.h`, and an instance used through them.
 
 use gearbench::fmu::package::Package;
 use gearbench_fmu as _;
@@ -168,7 +168,7 @@ fn attribute<'a>(text: &'a str, name: &str) -> Option<&'a str> {
     Some(after.split_once('"')?.0)
 }
 
-/// An instance, as its host holds it.
+/// An instance as used by a host.
 pub struct Fmu {
     instance: *mut c_void,
     folder: TempDir,
@@ -176,7 +176,7 @@ pub struct Fmu {
     pub outputs: Vec<String>,
 }
 
-/// A state to go back to.
+/// A copy of the state to return to; freed when dropped.
 pub struct Kept<'a>(&'a Fmu, *mut c_void);
 
 impl Drop for Kept<'_> {
@@ -326,7 +326,7 @@ impl Fmu {
         x
     }
 
-    /// All outputs in one call.
+    /// The values of all outputs, read in one call.
     pub fn look(&self) -> Vec<f64> {
         let r: Vec<u32> = self
             .outputs

@@ -9,7 +9,7 @@ use std::fmt::Write as _;
 
 /// Seed of the scenes; it was committed before any of them was run.
 pub const SEED: u64 = 74_120_263_511_907;
-/// Number of scenes.
+/// Number of the sampled scenes.
 pub const SCENES: usize = 40;
 
 /// Kind of a sampled scene: mechanism and loading.
@@ -69,7 +69,7 @@ struct Toothing {
     width: f64,
 }
 
-/// Scene `number` of [`SCENES`], from 1.
+/// Samples the scene with a number from 1 to [`SCENES`].
 pub fn scene(number: usize) -> UserScene {
     let kind = Kind::ALL[(number - 1) % Kind::ALL.len()];
     let r = &mut Random::of(SEED, number, 0);

@@ -127,8 +127,8 @@ pub fn one_impact(sample: &Sample) -> Result<(f64, f64), SampleError> {
     Ok((gap, to + AFTER[0] * (to - from)))
 }
 
-/// Numbers of the scenes of a set that are validated against full finite elements: the first that have one impact and no
-/// damping of modes.
+/// Numbers of the scenes of a set for the validation against full finite elements: the first ones with one impact and
+/// without modal damping.
 pub fn full_order(set: &Set) -> Result<Vec<usize>, SampleError> {
     let mut found = Vec::new();
     for number in 1..=set.scenes {

@@ -9,8 +9,8 @@ use gearbench_integrators::{AcceptedStep, Control, MethodSpec, Resolution, Sink,
 use gearbench_models::gear::table::properties_of;
 use gearbench_models::scene::{Channel, OfMesh, Scene};
 
-/// Method, which steps from event to event, its tolerance, and steps that are never needed: steps bound a run, not
-/// time, for a scene is the same on every machine.
+/// Method, tolerance and bound of steps. The bound is never reached; it is one of steps, not of time, so that a scene
+/// is the same on every machine.
 const METHOD: (MethodSpec, f64, u64) = (DOPRI5, 1e-8, 100_000);
 /// Points within a step at which the force is evaluated.
 const PLACES: [f64; 4] = [0.25, 0.5, 0.75, 1.0];

@@ -57,7 +57,7 @@ impl Default for Own {
 pub enum SampleError {
     #[error("there is no set `{name}`; there are {}", known.join(" and "))]
     Set {
-        /// The requested name.
+        /// Name of the requested set.
         name: String,
         /// Names of the existing sets.
         known: Vec<String>,
@@ -67,7 +67,7 @@ pub enum SampleError {
         set: String,
         /// Number of the last scene of the set.
         last: usize,
-        /// The requested number.
+        /// Number of the requested scene.
         number: usize,
     },
     /// The list of sets cannot be read.

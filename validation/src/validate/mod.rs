@@ -390,8 +390,8 @@ fn effort(c: &Candidate) -> f64 {
     }
 }
 
-/// A candidate cannot be cheaper than another: the same integrator with steps no longer, on the same level or with no
-/// fewer modes.
+/// True if a candidate cannot be cheaper than another: same integrator with steps no longer, on the same level or with
+/// no fewer modes.
 fn is_dearer_kin(c: &Candidate, other: &Candidate) -> bool {
     let same_level = match (c.level.modes(), other.level.modes()) {
         (Some(a), Some(b)) => a >= b && c.level.detail() == other.level.detail(),

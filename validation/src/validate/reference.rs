@@ -17,7 +17,7 @@ use gearbench_reports::Metric;
 /// Number of modes of the reduced model that estimates the truncation error of the densest one.
 const FEWER: usize = 200;
 const _: () = assert!(FEWER < DENSEST);
-/// Parts of its step that the densest elastic model is given, in the order in which they are tried.
+/// Steps of the densest elastic model, relative to its default, in the order of the trials.
 const FINER: [f64; 2] = [1.0, 0.25];
 /// Name of the reference with half-space contact.
 pub const NAME: &str = "refined elastic model";

@@ -87,8 +87,8 @@ pub struct MeshCycle {
     pub natural: Vec<f64>,
 }
 
-/// Phases that a resonance is taken from where nothing else is wanted of the cycle: the stiffness of spur gears jumps, so
-/// that the mean has an error of some parts of one phase.
+/// Number of phases for the resonance alone. As the stiffness of spur gears jumps, the mean has an error of a fraction
+/// of one phase.
 pub const PHASES: usize = 24;
 
 /// Resonance frequency of meshes over their cycle.
@@ -272,7 +272,7 @@ impl<'a> Cycle<'a> {
         sum / count
     }
 
-    /// Rows of the meshes at the first phase. One that carries no load closes by nothing.
+    /// Computes the rows of the meshes at the first phase. An unloaded mesh has no closing.
     fn fill_rows(&mut self, s: &State) {
         let n = s.q.len();
         let none = vec![0.0; n];

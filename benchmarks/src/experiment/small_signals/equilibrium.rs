@@ -133,8 +133,8 @@ impl Search<'_> {
         moved
     }
 
-    /// How far to go along a step that starts with forces `on` the modes: the loads and the contacts of a scene have a potential,
-    /// which falls along the step until the power of all forces along it, `f . x`, changes its sign.
+    /// Line search along a step with initial forces `on` the modes. Loads and contacts have a potential, which
+    /// decreases along the step until the power of all forces along it, `f . x`, changes its sign.
     fn part_of(&mut self, s: &State, step: &[f64], modes: &Modes, on: &DVector<f64>) -> Along {
         let along = modes.vectors.tr_mul(&self.space.velocity(step));
         let before = on.dot(&along);

@@ -1,5 +1,5 @@
-//! The mesh mode of a model: of the natural motions of its scene about the equilibrium of the loads that in which the hubs close
-//! the meshes most; see [`super::cycle`].
+//! The mesh mode of a model: the natural mode, about the equilibrium under loads, in which the hubs close the meshes
+//! most; see [`super::cycle`].
 //!
 //! The damping of a scene has different meanings in different models: a ratio for the contact spring, for each mode of
 //! a body, or for tooth springs. The damping ratio of the mesh mode is comparable across models.
@@ -67,8 +67,8 @@ pub fn mesh_mode_of(
     }
 }
 
-/// The mesh mode of a model of a scene, with the resonance over its cycle up to so many coordinates; `None` where the scene has
-/// no loads.
+/// Computes the mesh mode of a model of a scene, with its resonance over the cycle for at most so many coordinates;
+/// `None` if the scene has no loads.
 pub fn mesh_mode(
     label: &str,
     (scene, modelling): (&SceneSpec, &Modelling),

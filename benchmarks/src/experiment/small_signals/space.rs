@@ -28,7 +28,7 @@ pub struct Space {
 pub struct Modes {
     /// Squares of the angular frequencies, ascending [rad^2/s^2].
     pub squares: Vec<f64>,
-    /// Eigenvectors as columns.
+    /// Eigenvectors as the columns of a matrix.
     pub vectors: DMatrix<f64>,
     /// Largest `|K u - lambda u|`, relative to the size of the matrix.
     pub residual: f64,
@@ -211,8 +211,8 @@ const NOT_FINITE: &str = "its tangent is not finite";
 mod tests {
     use super::*;
 
-    /// Three masses on a line: with a rigid bar between two of them the pair swings as one; without its rigid motion nothing
-    /// else changes.
+    /// Three masses on a line: a rigid bar between two of them makes the pair vibrate as one; removing the rigid-body
+    /// motion does not change the other modes.
     #[test]
     fn what_is_held_has_no_frequency() {
         let mass = DMatrix::from_diagonal(&DVector::from_column_slice(&[2.0, 1.0, 3.0]));

@@ -9,9 +9,9 @@ use gearbench_reports::series::TimeSeries;
 /// Default limit of the L1 error against the model's own converged solution, above which a run is inaccurate [-].
 pub const OWN_ERROR: f64 = 0.05;
 
-/// Judges a run that reached its end, once its metrics are there: by the tolerance of the scene and the own error of the
-/// yardstick that it refers to, or, where the scene has none, by the model's own converged solution; `missing` is the reason why there is no such solution for this run. A run
-/// that neither can judge is `unchecked` and has not passed.
+/// Sets the status of a completed run from its metrics: by the tolerance of the scene and the error of the yardstick,
+/// or, without a tolerance, by the model's own converged solution; `missing` is the reason why there is no such
+/// solution for this run. A run that neither can judge is `unchecked` and has not passed.
 pub fn judge(
     run: &mut Run,
     (tolerance, yardstick): (Option<&Tolerance>, Option<&Yardstick>),
@@ -41,7 +41,7 @@ pub fn judge(
     }
 }
 
-/// Outcome of a comparison.
+/// Result of the comparison with the tolerance of the scene.
 enum Verdict {
     Within,
     Beyond(String),

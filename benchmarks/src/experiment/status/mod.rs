@@ -41,8 +41,8 @@ pub const ENERGY_GROWTH: f64 = 0.02;
 pub const HOPELESS: f64 = 0.5;
 /// Energy, relative to the energy supplied by start and loads, above which a stopped run counts as blown up.
 pub const BLOWN_UP: f64 = 1e3;
-/// Pull on a contact, over the peak force, before a run counts as adhesive. The interpolant of a coarse step may
-/// dip a little below zero just before the contact opens; the law itself never pulls.
+/// Tensile contact force, relative to the peak force, from which on a run counts as adhesive. The interpolant of a
+/// coarse step may be slightly negative just before the contact opens; the force law itself never is.
 const ADHESION: f64 = 1e-3;
 
 /// The status of a run that ended with an integration error. [`StepError::Unsupported`] and [`StepError::Interrupted`]
@@ -100,8 +100,8 @@ pub struct Finding {
     pub message: String,
 }
 
-/// Watches a run: records its history and energy, and stops it once its energy is mostly made up, as an unstable run
-/// would otherwise go on to ever larger numbers and ever more impacts.
+/// Monitor of a run: records history and energy, and stops the run once most of its energy is unexplained, as an
+/// unstable run would otherwise continue to ever larger numbers and ever more impacts.
 pub struct RunMonitor {
     /// Recorded channels over time.
     pub history: History,

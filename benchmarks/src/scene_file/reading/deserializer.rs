@@ -27,7 +27,7 @@ use toml::de::{DeTable, DeValue};
 static EMPTY: LazyLock<DeValue<'static>> = LazyLock::new(|| DeValue::Table(DeTable::new()));
 
 impl<'d> Node<'d> {
-    /// Variant and content of an enumeration.
+    /// Splits an enumeration into variant and content.
     fn choice(
         &self,
         name: &'static str,
@@ -89,7 +89,7 @@ impl<'d> Node<'d> {
         }
     }
 
-    /// The only entry of a table that takes exactly one of its keys.
+    /// Returns the only entry of a table that requires exactly one of its keys.
     fn only(&self, words: &[&'static str]) -> Result<(&'static str, Node<'d>), Flaw> {
         let entries = self.entries()?;
         let [entry, more @ ..] = entries.as_slice() else {

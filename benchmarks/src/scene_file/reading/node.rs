@@ -210,7 +210,7 @@ impl<'d> Node<'d> {
             .collect())
     }
 
-    /// The value of an entry, which [`Node::entries`] leaves at the place of its key.
+    /// The value of an entry; [`Node::entries`] returns entries with the place of their key.
     pub(super) fn value_of(&self, entry: Node<'d>) -> Node<'d> {
         match self.value {
             DeValue::Table(table) => table.get(entry.key).map_or(entry, |v| entry.of(v)),

@@ -184,8 +184,8 @@ macro_rules! metrics {
 }
 
 metrics! {
-    /// A metric, in messages by its key in the record; its name on the command line is read as well.
+    /// A metric; errors list the keys of records, and names of the command line are valid as well.
     MetricKey, |_| true, Metric::ALL.map(Metric::key).to_vec();
-    /// A relative error, in messages by its name on the command line; its key in the record is read as well.
+    /// A relative error; errors list the names of the command line, and keys of records are valid as well.
     MetricOption, Metric::is_error, Metric::ALL.into_iter().filter_map(Metric::option).collect();
 }

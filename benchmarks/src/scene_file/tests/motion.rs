@@ -119,7 +119,8 @@ fn gears_out_of_step_are_named_with_their_speed() {
     );
 }
 
-/// Without loads and drives nothing but an impact can happen, and a held wheel leaves no other motion: both are meant.
+/// There is no warning on an intended impact: without loads and drives only an impact can happen, and a held wheel
+/// allows no other motion.
 #[test]
 fn impacts_have_no_warning() {
     for (pinion, wheel) in [

@@ -1,4 +1,4 @@
-//! `gearbench mesh SCENE|DECK`: meshes of gears, their quality, decks and files for ParaView.
+//! The command `gearbench mesh SCENE|DECK`: meshes of gears, their quality, decks and files for ParaView.
 
 pub mod arguments;
 

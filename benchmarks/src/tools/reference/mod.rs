@@ -25,7 +25,7 @@ use serde_json::json;
 use std::path::{Component, Path, PathBuf};
 use std::time::Duration;
 
-/// Default relative tolerance.
+/// Default relative tolerance of the reference run.
 const RTOL: f64 = 1e-10;
 /// Step and tolerance of the second run relative to the first.
 const FINER: [f64; 2] = [0.5, 0.1];
