@@ -65,7 +65,7 @@ pub fn is_located(s: &State, sys: &dyn SecondOrderSystem) -> bool {
     sys.layout().event_functions > 0 && s.discrete.first().is_some_and(|d| *d != 0.0)
 }
 
-/// A sample of the contact force: time [s], normal force [N], part in the transverse plane [N].
+/// A sample of the contact force: time [s], magnitude [N], part in the transverse plane [N].
 pub type Sample = [f64; 3];
 
 /// Records the contact force of the first mesh during a run.

@@ -69,7 +69,7 @@ pub fn state_within(step: &AcceptedStep<'_>, t: f64, state: &mut State) {
 pub struct History {
     grid: Vec<f64>,
     next: usize,
-    /// Channels of the normal force of the first mesh and of its part in the transverse plane.
+    /// Channels of the contact force of the first mesh and of its part in the transverse plane.
     force: Option<[usize; 2]>,
     /// Channels of the least normal force, by mesh.
     least: Vec<usize>,
@@ -92,7 +92,7 @@ pub struct History {
     pub instants: Instants,
     /// States at requested times for frames of whole bodies.
     pub frames: Frames,
-    /// Largest normal force of the first mesh [N].
+    /// Largest contact force of the first mesh [N].
     pub peak: f64,
     /// Least normal force of any contact [N].
     pub least_normal: f64,
@@ -135,7 +135,7 @@ impl History {
         self.rows.iter().map(|r| r[channel]).collect()
     }
 
-    /// The normal force of the first mesh at all rows [N]; 0 without a mesh.
+    /// The contact force of the first mesh at all rows [N]; 0 without a mesh.
     pub fn force(&self) -> Vec<f64> {
         (self.force).map_or_else(|| vec![0.0; self.rows.len()], |[c, _]| self.column(c))
     }

@@ -39,7 +39,7 @@ pub const MOST: usize = 1500;
 /// Reason why a scene has no loaded state.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum NotSolved {
-    /// A matrix is singular or not definite.
+    /// The matrices of the scene do not allow a solution, for the given reason.
     #[error("{0}")]
     Matrices(&'static str),
     /// No equilibrium was found.

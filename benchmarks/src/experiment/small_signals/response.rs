@@ -115,7 +115,7 @@ impl<'a> Response<'a> {
     /// Prepares the response to one mesh cycle of a scene in quasi-static motion.
     ///
     /// # Errors
-    /// [`NotSolved`] if a matrix is singular or not definite.
+    /// [`NotSolved`] if the matrices do not allow a solution.
     pub fn new(
         scene: &Scene,
         running: &Running,

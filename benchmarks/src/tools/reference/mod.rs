@@ -181,7 +181,7 @@ fn conditions(args: &Reference, scene: &SceneFile) -> Result<ReferenceConditions
     Ok(found)
 }
 
-/// The name of the reference in the scene: as given, else the stem of the file (with a suffix if a model has that name).
+/// The name of the reference in the scene: as given, else the stem of the file (with a suffix if a model has it).
 fn name(args: &Reference, scene: &SceneFile) -> String {
     let stem = args
         .out
