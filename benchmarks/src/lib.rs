@@ -1,14 +1,14 @@
-//! The library behind the command `gearbench`: scenes, studies, tools.
+//! Library of the command-line program `gearbench`: scenes, studies and tools.
 //!
-//! | room | owns |
+//! | module | owns |
 //! |---|---|
-//! | [`models`] | the table of gear models that scenes may name |
-//! | [`scene_file`] | the scene format, the shipped scenes, calibrations |
-//! | [`experiment`] | one model under one integrator: what is run, its row of the record, how it ended |
+//! | [`models`] | the table of gear models that scenes can name |
+//! | [`scene_file`] | the scene format, embedded scenes, calibrations |
+//! | [`experiment`] | runs of one model under one integrator: conditions, row of the record, status |
 //! | [`fmu`] | a scene as a functional mock-up unit: variables, description, package |
-//! | [`studies`] | a study in one room: arguments, plan, runs, summary |
-//! | `tools` | what the command does beside studies |
-//! | [`cli`] | the table of commands; messages, files, exit codes |
+//! | [`studies`] | one module for each study: arguments, plan, runs, summary |
+//! | `tools` | commands that are not studies |
+//! | [`cli`] | table of commands, messages, files, exit codes |
 
 pub mod cli;
 pub mod experiment;

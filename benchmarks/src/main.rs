@@ -1,4 +1,4 @@
-//! The command `gearbench`.
+//! Entry point of the command-line program `gearbench`.
 
 use gearbench_reference::reduction::cache::{self, Cache};
 use std::process::ExitCode;

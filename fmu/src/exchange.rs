@@ -1,30 +1,30 @@
 //! Model exchange: the host integrates `q' = v`, `v' = M^-1 f` and locates where event functions fall through zero.
 //!
-//! **Events.** A host ends its step a hair behind a root. Functions that are not positive there and go on falling switch
-//! their part of the branch; one that was switched a hair beside its root rises by itself. Both are told apart by where the
-//! function goes from here, not by what the host saw before.
+//! **Events.** A host ends its step slightly behind a root. Event functions that are not positive there and keep
+//! falling switch their part of the branch; a function that was just switched, slightly off its root, rises by itself.
+//! The slope of the function at the present state distinguishes both cases, not the history that the host has seen.
 //!
-//! **After steps** a scene may hand teeth over, which changes coordinates: it asks for an event, where that may happen.
+//! **After steps** a scene may change the teeth in contact, which changes coordinates: it then requests an event.
 
 use crate::instance::{Done, Instance, Kind, Known, fail};
 use gearbench_integrators::system::Events;
 use gearbench_integrators::{SecondOrderSystem, State};
 
-/// A time ahead at which falling functions are told from rising ones, over the characteristic one.
+/// Time ahead at which the sign of the slope of event functions is determined, relative to the characteristic time.
 const AHEAD: f64 = 1e-6;
-/// Rounds of switches at one event.
+/// Largest number of successive switches at one event.
 const MOST_ROUNDS: usize = 50;
 
-/// What an event did.
+/// Result of an event update.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Update {
-    /// Continuous states jumped.
+    /// True if the continuous states jumped.
     pub moved: bool,
-    /// The next time of the host at which a load has a breakpoint [s].
+    /// Next time of the host at which a load has a breakpoint [s].
     pub next: Option<f64>,
 }
 
-/// Refuses values that are not finite, with the place of the first.
+/// Refuses values that are not finite, and names the first one.
 fn numbers(what: &str, all: &[f64]) -> Done {
     match all.iter().position(|x| !x.is_finite()) {
         None => Ok(()),
@@ -36,7 +36,7 @@ impl Instance {
     /// Sets the time of the host [s].
     ///
     /// # Errors
-    /// Of an instance of another kind, or no number.
+    /// The instance is of another kind, or the time is not finite.
     pub fn set_time(&mut self, time: f64) -> Done {
         self.running(Kind::ModelExchange)?;
         if !time.is_finite() {
@@ -49,10 +49,10 @@ impl Instance {
         Ok(())
     }
 
-    /// Sets coordinates and velocities.
+    /// Sets the continuous states: coordinates, then velocities.
     ///
     /// # Errors
-    /// Of an instance of another kind, another number of states, or values that are no numbers.
+    /// The instance is of another kind, the number of states is wrong, or a value is not finite.
     pub fn set_states(&mut self, x: &[f64]) -> Done {
         self.running(Kind::ModelExchange)?;
         self.count(x.len())?;
@@ -65,10 +65,10 @@ impl Instance {
         Ok(())
     }
 
-    /// Coordinates and velocities.
+    /// Writes the continuous states to `x`: coordinates, then velocities.
     ///
     /// # Errors
-    /// Another number of states.
+    /// The length of `x` is not the number of states.
     pub fn states(&self, x: &mut [f64]) -> Done {
         self.count(x.len())?;
         let State { q, v, .. } = &self.memory.state;
@@ -78,10 +78,10 @@ impl Instance {
         Ok(())
     }
 
-    /// Their typical magnitudes.
+    /// Writes typical magnitudes of the continuous states to `x`; each is positive.
     ///
     /// # Errors
-    /// Another number of states.
+    /// The length of `x` is not the number of states.
     pub fn nominals(&self, x: &mut [f64]) -> Done {
         self.count(x.len())?;
         let (q, v) = x.split_at_mut(self.memory.state.q.len());
@@ -95,10 +95,10 @@ impl Instance {
         Ok(())
     }
 
-    /// Their derivatives.
+    /// Writes the time derivatives of the continuous states to `x`.
     ///
     /// # Errors
-    /// Another number of states; derivatives that overflow.
+    /// The length of `x` is not the number of states, or a derivative is not finite.
     pub fn derivatives(&mut self, x: &mut [f64]) -> Done {
         self.count(x.len())?;
         numbers("derivative of state", self.rates())?;
@@ -106,10 +106,10 @@ impl Instance {
         Ok(())
     }
 
-    /// Event functions.
+    /// Writes the values of the event functions to `z`.
     ///
     /// # Errors
-    /// Another number of them.
+    /// The length of `z` is not the number of event functions.
     pub fn event_functions(&mut self, z: &mut [f64]) -> Done {
         if z.len() != self.coupled.interface.event_functions {
             return fail(format!(
@@ -133,10 +133,10 @@ impl Instance {
         }
     }
 
-    /// Switches what fell, and hands over what moved on.
+    /// Handles an event: switches the event functions that fall through zero until none does, then commits the state.
     ///
     /// # Errors
-    /// Of an instance of another kind, and where branches chatter.
+    /// The instance is of another kind, or contacts chatter.
     pub fn update(&mut self) -> Done<Update> {
         self.running(Kind::ModelExchange)?;
         self.settle();
@@ -169,10 +169,10 @@ impl Instance {
         })
     }
 
-    /// The host completed a step; whether it has to enter an event.
+    /// Notes a completed step of the host; returns true if the host must enter event mode.
     ///
     /// # Errors
-    /// Of an instance of another kind.
+    /// The instance is of another kind.
     pub fn completed(&mut self) -> Done<bool> {
         self.running(Kind::ModelExchange)?;
         self.settle();
@@ -189,7 +189,7 @@ impl Instance {
         Ok(false)
     }
 
-    /// Event functions that are not positive and fall.
+    /// Indices of event functions that are not positive and fall.
     fn falling(&mut self) -> Vec<usize> {
         let here = self.watched().to_vec();
         if here.iter().all(|z| *z > 0.0) {
@@ -212,7 +212,7 @@ impl Instance {
         (0..here.len()).filter(falls).collect()
     }
 
-    /// Derivatives of coordinates and velocities.
+    /// Time derivatives of coordinates and velocities.
     pub(crate) fn rates(&mut self) -> &[f64] {
         self.settle();
         let (scene, state) = (&mut self.coupled.scene, &self.memory.state);
@@ -226,7 +226,7 @@ impl Instance {
         })
     }
 
-    /// Event functions.
+    /// The values of the event functions at the present state.
     pub(crate) fn watched(&mut self) -> &[f64] {
         self.settle();
         let count = self.coupled.interface.event_functions;

@@ -1,16 +1,17 @@
-//! An instance of an FMU: a scene, where it is, what its host set.
+//! An instance of an FMU: scene, state and inputs of the host.
 //!
-//! **Inputs** act through the scene's own loads and prescribed motions. They hold their values over a communication step;
-//! a hub that the host moves goes on at its speed. With the parameter `interpolate` loads run linearly, and motions along
-//! the cubic through both places with both speeds (Hermite), from the inputs to those that end in `_end`. A cubic whose
-//! speeds are the slope of its places is a line: what interpolates linearly.
+//! **Inputs** act through the scene's own loads and prescribed motions. They are constant over a communication step; a
+//! hub that the host moves continues at its speed. With the parameter `interpolate` loads vary linearly, and motions
+//! along the cubic Hermite polynomial through both displacements with both speeds, from the inputs to those that end in
+//! `_end`. If the speeds are the slope between the displacements, the cubic is a line, as in linear interpolation.
 //!
-//! **Steps.** The method goes on where it was: as long as inputs do not change, communication points are no more than
-//! samples of one run. Where they change it starts afresh, as at a breakpoint of a load; where a host makes a hub jump, so
-//! do the contacts. A jump of speed is an acceleration of no duration: what accelerations of a hub shake, as the modes of
-//! elastic gears in its frame, it shakes at once (`jumps`), so that a hub along lines moves them as one along a smooth course.
+//! **Steps.** The method continues from the present state: as long as inputs do not change, communication points are no
+//! more than samples of one run. Where inputs change, the method restarts, as at a breakpoint of a load; where the host
+//! makes a hub jump, so do the contacts. A jump of speed is an acceleration of zero duration: it changes at once the
+//! velocities that respond to accelerations of the hub, such as those of the modes of elastic gears in its frame
+//! (`jumps`), so that piecewise linear motion of a hub excites them as smooth motion does.
 //!
-//! **Going back.** A [`Snapshot`] holds all that the next step depends on, the method with its history among it.
+//! **Rollback.** A [`Snapshot`] contains all that the next step depends on, including the method with its history.
 
 use gearbench::fmu::coupled::{Acts, Coupled};
 use gearbench::fmu::interface::{Interface, Quantity, Role};
@@ -21,21 +22,22 @@ use gearbench_models::spec::Profile;
 use std::fmt;
 use std::path::Path;
 
-/// A place or speed of a moved hub that differs by more than this share, at least of 1 rad or m, has jumped.
+/// Relative difference above which the displacement or speed of a moved hub has jumped; relative to at least 1 rad or
+/// m.
 const JUMP: f64 = 1e-12;
-/// The time that a host names may be off by this share of its step.
+/// Largest difference between the time that a host names and the time of the instance, relative to its step.
 const OFF_TIME: f64 = 1e-6;
 
-/// How an instance is used.
+/// Type of an instance: co-simulation or model exchange.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
-    /// It steps itself.
+    /// Co-simulation: the instance integrates its states itself.
     CoSimulation,
-    /// Its host integrates it.
+    /// Model exchange: the host integrates the states.
     ModelExchange,
 }
 
-/// Why a call failed.
+/// Message of a failed call.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Failure(pub String);
 
@@ -45,21 +47,21 @@ impl fmt::Display for Failure {
     }
 }
 
-/// What calls return.
+/// Result of a call, with the message of a failure.
 pub type Done<T = ()> = Result<T, Failure>;
 
 pub(crate) fn fail<T>(why: impl Into<String>) -> Done<T> {
     Err(Failure(why.into()))
 }
 
-/// What the host set at a port, `[load, -]` or `[place, speed]`.
+/// Inputs that the host set at a port: `[load, -]` or `[displacement, speed]`, now and at the end of the step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Given {
     now: [f64; 2],
     end: [f64; 2],
 }
 
-/// Whether a call belongs to the initialisation, or to what comes after it.
+/// Phase of the life cycle of an instance; it decides which calls are allowed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Phase {
     Instantiated,
@@ -68,31 +70,31 @@ enum Phase {
     Terminated,
 }
 
-/// All that a step depends on beside the method.
+/// All data that a step depends on, apart from the integration method.
 #[derive(Clone, Debug)]
 pub(crate) struct Memory {
     phase: Phase,
-    /// In the time of the scene.
+    /// State of the scene, in the time of the scene.
     pub(crate) state: State,
-    /// Time of the host at the start of the scene [s].
+    /// Time of the host at time zero of the scene [s].
     shift: f64,
-    /// Time of the host beyond which it does not step, where it named one [s].
+    /// Stop time of the host, if it defined one [s].
     stop: Option<f64>,
     given: Vec<Given>,
     interpolate: bool,
-    /// What acts in the scene, by port.
+    /// Loads and prescribed motions that act in the scene, by port.
     applied: Vec<Profile>,
-    /// The host set inputs that do not act yet.
+    /// True if the host set inputs that are not applied yet.
     pub(crate) stale: bool,
-    /// Inputs changed since the method ran.
+    /// True if inputs changed since the last step of the method.
     changed: bool,
-    /// The discrete state belongs to the state.
+    /// True if the discrete state is consistent with the continuous state.
     begun: bool,
-    /// The method ran.
+    /// True if the integration method has run since the last reset.
     ran: bool,
 }
 
-/// What was computed at the present state.
+/// Results that are stored for the present state, until state or inputs change.
 #[derive(Default)]
 pub(crate) struct Known {
     pub(crate) outputs: Option<Outputs>,
@@ -101,13 +103,13 @@ pub(crate) struct Known {
     pub(crate) watched: Option<Vec<f64>>,
 }
 
-/// What a host goes back to.
+/// A copy of the state of an instance, to which the host can return.
 pub struct Snapshot {
     memory: Memory,
     method: Box<dyn Integrator>,
 }
 
-/// An instance.
+/// An instance of the FMU: scene, state, inputs and integration method.
 pub struct Instance {
     kind: Kind,
     pub(crate) coupled: Coupled,
@@ -122,7 +124,7 @@ impl Instance {
     /// Opens the resources of an FMU.
     ///
     /// # Errors
-    /// What is missing among them, or was changed.
+    /// A resource is missing or was changed.
     pub fn open(kind: Kind, resources: &Path, token: &str) -> Result<Self, OpenError> {
         let Opened {
             coupled,
@@ -149,7 +151,7 @@ impl Instance {
         Ok(instance)
     }
 
-    /// As just opened.
+    /// Resets the instance to its state after opening.
     pub fn reset(&mut self) {
         self.memory = start(&self.coupled);
         self.method = self.scheme.method.build();
@@ -157,20 +159,21 @@ impl Instance {
         self.apply_all();
     }
 
-    /// How it is used.
+    /// The type of the instance.
     pub fn kind(&self) -> Kind {
         self.kind
     }
 
-    /// Its variables.
+    /// The variables of the model description.
     pub fn interface(&self) -> &Interface {
         &self.coupled.interface
     }
 
-    /// Begins the initialisation; the scene starts at that time of the host, which does not step beyond `stop`.
+    /// Begins the initialisation at a time of the host, which becomes time zero of the scene; `stop` is the stop time
+    /// of the host.
     ///
     /// # Errors
-    /// After the initialisation; times that are no numbers or in the wrong order.
+    /// The instance is initialised already, or the times are not finite or in the wrong order.
     pub fn enter_initialisation(&mut self, time: f64, stop: Option<f64>) -> Done {
         if self.memory.phase != Phase::Instantiated {
             return fail("the instance is initialised already; reset it first");
@@ -192,17 +195,17 @@ impl Instance {
     /// Ends the simulation: variables can be read, and the instance can be reset or freed.
     ///
     /// # Errors
-    /// Before the end of the initialisation, and of an instance that is terminated already.
+    /// The instance is not initialised yet, or terminated already.
     pub fn terminate(&mut self) -> Done {
         self.running(self.kind)?;
         self.memory.phase = Phase::Terminated;
         Ok(())
     }
 
-    /// Ends it.
+    /// Ends the initialisation; the instance can then be stepped.
     ///
     /// # Errors
-    /// Where it was not begun.
+    /// The initialisation was not begun.
     pub fn exit_initialisation(&mut self) -> Done {
         if self.memory.phase != Phase::Initialising {
             return fail("the initialisation was not begun");
@@ -212,8 +215,10 @@ impl Instance {
         Ok(())
     }
 
+    /// Checks that the instance is of a kind and in its running phase.
+    ///
     /// # Errors
-    /// Before the initialisation, or of an instance of another kind.
+    /// The instance is of another kind, not initialised yet or terminated.
     pub(crate) fn running(&self, kind: Kind) -> Done {
         if self.kind != kind {
             return fail("the call does not belong to this kind of instance");
@@ -232,7 +237,7 @@ impl Instance {
         self.memory.state.t + self.memory.shift
     }
 
-    /// A time of the host in that of the scene.
+    /// Converts a time of the host to a time of the scene [s].
     pub(crate) fn in_scene(&self, time: f64) -> f64 {
         time - self.memory.shift
     }
@@ -247,7 +252,7 @@ impl Instance {
     /// The value of a variable.
     ///
     /// # Errors
-    /// One that is not there, or is no number.
+    /// The variable does not exist, or is not a number.
     pub fn get(&mut self, reference: u32) -> Done<f64> {
         let role = self.role(reference)?;
         self.settle();
@@ -268,10 +273,10 @@ impl Instance {
         })
     }
 
-    /// Sets an input, or before the end of the initialisation a state.
+    /// Sets an input; before the end of the initialisation also a state.
     ///
     /// # Errors
-    /// What cannot be set, and what is no number.
+    /// The variable cannot be set, or the value is not finite.
     pub fn set(&mut self, reference: u32, value: f64) -> Done {
         let role = self.role(reference)?;
         if !value.is_finite() {
@@ -306,10 +311,10 @@ impl Instance {
         Ok(())
     }
 
-    /// The value of a Boolean.
+    /// The value of a Boolean variable.
     ///
     /// # Errors
-    /// Where the variable is none.
+    /// The variable is not a Boolean.
     pub fn get_flag(&self, reference: u32) -> Done<bool> {
         match self.role(reference)? {
             Role::Interpolate => Ok(self.memory.interpolate),
@@ -317,10 +322,10 @@ impl Instance {
         }
     }
 
-    /// Sets a Boolean.
+    /// Sets a Boolean variable.
     ///
     /// # Errors
-    /// Where the variable is none, or after the initialisation.
+    /// The variable is not a Boolean, or the initialisation has ended.
     pub fn set_flag(&mut self, reference: u32, value: bool) -> Done {
         match (self.role(reference)?, self.memory.phase) {
             (Role::Interpolate, Phase::Running) => {
@@ -334,10 +339,10 @@ impl Instance {
         }
     }
 
-    /// Moves the scene over a communication step; returns the time at its end.
+    /// Advances the scene by a communication step; returns the time at its end.
     ///
     /// # Errors
-    /// A step from another time than the present one, beyond the stop time, or one that the method cannot make.
+    /// The step begins at another time than the present one, exceeds the stop time, or fails in the method.
     pub fn step(&mut self, from: f64, size: f64) -> Done<f64> {
         self.running(Kind::CoSimulation)?;
         if !(size > 0.0 && size.is_finite()) {
@@ -385,7 +390,7 @@ impl Instance {
         Ok(self.time())
     }
 
-    /// A copy to go back to.
+    /// Copies the state of the instance.
     pub fn snapshot(&self) -> Snapshot {
         Snapshot {
             memory: self.memory.clone(),
@@ -393,7 +398,7 @@ impl Instance {
         }
     }
 
-    /// Goes back to a copy.
+    /// Restores a copy of the state.
     pub fn restore(&mut self, snapshot: &Snapshot) {
         self.memory = snapshot.memory.clone();
         self.method = snapshot.method.duplicate();
@@ -403,7 +408,7 @@ impl Instance {
         self.apply_all();
     }
 
-    /// Makes inputs act and the discrete state belong to the state.
+    /// Applies pending inputs and makes the discrete state consistent with the continuous state.
     pub(crate) fn settle(&mut self) {
         if self.memory.stale {
             let t = self.memory.state.t;
@@ -417,7 +422,7 @@ impl Instance {
         }
     }
 
-    /// Outputs at the present state.
+    /// Outputs of the scene at the present state.
     fn outputs(&mut self) -> &Outputs {
         let (scene, state) = (&mut self.coupled.scene, &self.memory.state);
         self.known.outputs.get_or_insert_with(|| {
@@ -427,7 +432,7 @@ impl Instance {
         })
     }
 
-    /// Makes profiles act that are made of what the host set.
+    /// Applies the profiles of loads and motions that `of` derives from the inputs.
     fn apply(&mut self, of: impl Fn(Acts, &Given) -> Profile) {
         let t = self.memory.state.t;
         let (mut jumped, mut shaken) = (false, Vec::new());
@@ -475,7 +480,7 @@ impl Instance {
     }
 }
 
-/// As the scene starts.
+/// The initial state of the scene.
 fn start(coupled: &Coupled) -> Memory {
     let given: Vec<Given> = (coupled.ports.iter())
         .map(|port| {
@@ -504,7 +509,7 @@ fn start(coupled: &Coupled) -> Memory {
     }
 }
 
-/// Where an input is kept.
+/// The stored value of an input.
 fn place(given: &mut Given, quantity: Quantity, end: bool) -> &mut f64 {
     let Given { now, end: last } = given;
     let of = if end { last } else { now };
@@ -514,7 +519,7 @@ fn place(given: &mut Given, quantity: Quantity, end: bool) -> &mut f64 {
     }
 }
 
-/// An input that holds from a time on.
+/// The profile of an input that is constant from a time on.
 fn held(acts: Acts, given: &Given, t: f64) -> Profile {
     let [a, b] = given.now;
     match acts {
@@ -526,7 +531,7 @@ fn held(acts: Acts, given: &Given, t: f64) -> Profile {
     }
 }
 
-/// An input that runs to its value at the end of a step.
+/// The profile of an input that varies to its value at the end of a step.
 fn piece(acts: Acts, given: &Given, times: [f64; 2]) -> Profile {
     match acts {
         Acts::Load(_) if given.now[0] == given.end[0] => Profile::Constant(given.now[0]),

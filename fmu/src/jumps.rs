@@ -1,10 +1,10 @@
-//! Jumps of the speed of a hub that the host moves: accelerations of no duration.
+//! Jumps of the speed of a hub that the host moves: accelerations of zero duration.
 
 use crate::instance::Instance;
 use gearbench_integrators::SecondOrderSystem;
 use gearbench_models::spec::Profile;
 
-/// Acceleration of a hub by which its effect is looked at [rad/s^2] or [m/s^2]: forces are linear in it.
+/// Acceleration of a hub for the difference quotient of forces [rad/s^2] or [m/s^2]: forces are linear in it.
 const SHAKE: f64 = 1e6;
 
 impl Instance {

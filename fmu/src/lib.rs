@@ -1,17 +1,19 @@
-//! A scene of gearbench as a functional mock-up unit: the shared library of FMI 3.0, for co-simulation and model exchange.
+//! Export of scenes of gearbench as functional mock-up units: the shared library of FMI 3.0, for co-simulation and
+//! model exchange.
 //!
 //! `gearbench fmu` packs this library with a scene ([`gearbench::fmu`]). A host loads it, unpacks the scene, and either
 //! steps it (co-simulation: the scene's own integrator moves it over communication steps) or integrates its states
 //! (model exchange: `q' = v`, `M v' = f`, with the event functions of the scene as event indicators).
-//!
 //! | module | owns |
 //! |---|---|
-//! | [`instance`] | an instance: state, inputs, outputs, steps, copies that a host goes back to |
-//! | `jumps` | what a jump of the speed of a moved hub shakes |
-//! | `slopes` | derivatives of outputs in time |
-//! | `exchange` | model exchange: rates, event functions, what happens at events |
+//! | [`instance`] | an instance: state, inputs, outputs, steps, copies of the state for the host |
+//! | `jumps` | response to a jump of the speed of a moved hub |
+//! | `slopes` | time derivatives of outputs |
+//! | `exchange` | model exchange: derivatives, event functions, handling of events |
 //! | [`c`] | the 75 functions of FMI 3.0; all `unsafe` of the workspace |
 //!
+//! Wrong calls return an error and a message to the host's logger; a panic never crosses into C, but ends as
+//! `fmi3Fatal`.
 //! Bad calls end in an error that the host's logger hears of; a panic never crosses into C, it ends as `fmi3Fatal`.
 
 // The one place that speaks C.

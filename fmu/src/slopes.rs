@@ -1,9 +1,9 @@
-//! Derivatives of outputs in time, of first and second order, for hosts that extrapolate.
+//! First and second time derivatives of outputs, for hosts that extrapolate.
 //!
-//! Outputs are looked at a little before and after the present state, `y(t - d)`, `y(t)`, `y(t + d)`: central differences.
-//! The states there are classical Runge-Kutta steps on the present branch of the contacts, so that inputs, velocities and
-//! dampers take part in all orders. With `d` a small part of the time in which forces change both truncation, `(w d)^2`,
-//! and rounding stay near 1e-6.
+//! Outputs are evaluated shortly before and after the present state, `y(t - d)`, `y(t)`, `y(t + d)`, for central
+//! differences. These states are classical Runge-Kutta steps on the present branch of the contacts, so that inputs,
+//! velocities and dampers contribute in all orders. With `d` a small share of the time scale of the forces, both
+//! truncation, `(w d)^2`, and rounding stay near 1e-6.
 
 use crate::instance::{Done, Instance, Kind, fail};
 use gearbench::fmu::interface::Role;
@@ -11,12 +11,12 @@ use gearbench_integrators::system::Report;
 use gearbench_integrators::{Outputs, SecondOrderSystem, State, StateView};
 use gearbench_models::scene::Scene;
 
-/// Part of the characteristic time.
+/// Step of the difference quotient, relative to the characteristic time.
 const PART: f64 = 3e-3;
-/// Time where nothing is fast [s].
+/// Step of the difference quotient for scenes without a characteristic time [s].
 const SLOW: f64 = 1e-3;
 
-/// The state a time later, on the same branch.
+/// The state at a later time on the same branch of the contact law.
 fn later(scene: &mut Scene, s: &State, h: f64) -> State {
     let n = s.q.len();
     let mut rate = |c: f64, q: &[f64], v: &[f64]| {
@@ -47,10 +47,10 @@ fn later(scene: &mut Scene, s: &State, h: f64) -> State {
 }
 
 impl Instance {
-    /// Derivative of an output, of order one or two.
+    /// Returns the first or second time derivative of an output.
     ///
     /// # Errors
-    /// Another order, or what is no output.
+    /// The order is not one or two, or the variable is not an output.
     pub fn slope(&mut self, reference: u32, order: i32) -> Done<f64> {
         self.running(Kind::CoSimulation)?;
         let variable = self.coupled.interface.variables.get(reference as usize);

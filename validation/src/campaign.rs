@@ -1,5 +1,5 @@
-//! A set of scenes, gone through by several threads: each is a piece of work that is kept as soon as it is validated, so
-//! that a check that was stopped goes on where it ended.
+//! Validation of a set of scenes on several threads. Each validated scene is stored at once, so that an interrupted
+//! check continues where it ended.
 
 use crate::sampling::{Set, full_order, sample};
 use crate::validate::{ValidationError, against_full, validate};
@@ -10,17 +10,17 @@ use gearbench_reports::choice_check::ValidatedChoice;
 use std::collections::BTreeMap;
 use std::sync::{Mutex, PoisonError};
 
-/// What to check.
+/// The scenes of a set to validate, and the number of threads.
 #[derive(Clone, Debug)]
 pub struct Plan {
     pub set: Set,
     pub scenes: [usize; 2],
-    /// Scenes that are validated at the same time.
+    /// Number of scenes that are validated at the same time.
     pub threads: usize,
 }
 
 impl Plan {
-    /// Name of a scene in the journal: those of another set are not taken over.
+    /// Key of a scene in the journal, which distinguishes sets.
     fn key(&self, number: usize) -> Key {
         let set = &self.set;
         Key::new("validated")
@@ -29,7 +29,7 @@ impl Plan {
     }
 }
 
-/// Validates the scenes of a plan; `progress` is told each as it is done, and how many are.
+/// Validates the scenes of a plan; `progress` receives each finished scene and the number of finished ones.
 ///
 /// # Errors
 /// [`ValidationError`]: a sampling that fails, a journal that cannot be written, an interruption. Scenes that cannot be validated

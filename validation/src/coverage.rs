@@ -1,10 +1,10 @@
-//! Do the 95 % intervals of `gearbench identify` hold the truth?
+//! Coverage of the 95 % confidence intervals of `gearbench identify` on synthetic data.
 //!
-//! A model with the constants of its calibration makes a reference impact. Sets of data are made of it: the history is
-//! shifted by an offset of the clock that nobody knows, and noise is added that has the spectrum of what the fit to the
-//! real reference leaves over. That noise is a moving average of independent normal numbers whose coefficients are the
+//! A model with the constants of its calibration generates a reference impact. Data sets are derived from it: the
+//! history is shifted by an unknown offset of the clock, and noise is added with the spectrum of the residuals of the
+//! fit to the real reference. That noise is a moving average of independent normal numbers whose coefficients are the
 //! residuals themselves, `u_t = n^(-1/2) sum_j r_j e_(t-j)`: its autocovariance is that of the residuals. Each set is
-//! fitted as a user would fit it, offset included, and each interval either holds what the data were made with or not.
+//! fitted as by a user, offset included, and each interval is checked for the true value.
 
 use crate::sampling::random::Random;
 use crate::validate::ValidationError;
@@ -17,45 +17,46 @@ use gearbench_reference::reference;
 use gearbench_reports::identify::Outcome;
 use std::fmt::Write as _;
 
-/// Greatest offset of a clock, either way [s].
+/// Largest offset of a clock in either direction [s].
 const OFFSET: f64 = 2e-6;
 
-/// What is checked.
+/// The scene, model and number of data sets of a coverage check.
 #[derive(Clone, Debug)]
 pub struct Plan {
-    /// Scene with a stored reference.
+    /// Name of a scene with a stored reference.
     pub scene: String,
-    /// Label of a calibrated model.
+    /// Label of a model with a calibration.
     pub model: String,
-    /// Sets of data.
+    /// Number of synthetic data sets.
     pub sets: usize,
     /// Seed of the noise and the offsets.
     pub seed: u64,
 }
 
-/// A parameter of one set: what is true, what was found.
+/// A parameter of one data set: true value, fitted value and interval.
 #[derive(Clone, Debug)]
 pub struct Row {
     /// Number of the set, from 1.
     pub set: usize,
     /// Key of the parameter.
     pub parameter: String,
-    /// What the data were made with.
+    /// Value of the parameter that generated the data.
     pub truth: f64,
-    /// What was found; nothing where the fit says that the data do not tell.
+    /// Fitted value; `None` if the fit reports that the data do not determine it.
     pub found: Option<f64>,
-    /// Ends of the interval.
+    /// Lower and upper end of the confidence interval.
     pub interval: [f64; 2],
 }
 
 impl Row {
-    /// The interval holds the truth; one that is not given makes no claim.
+    /// True if the interval contains the true value; an interval that the fit does not give is unbounded.
     pub fn holds(&self) -> bool {
         (self.interval[0]..=self.interval[1]).contains(&self.truth)
     }
 }
 
-/// Parts of the sets whose intervals hold, by parameter.
+/// Coverage by parameter: key, share of intervals that contain the true value, and number of sets without a fitted
+/// value.
 pub fn coverage(rows: &[Row]) -> Vec<(String, f64, usize)> {
     let mut keys: Vec<&str> = Vec::new();
     for row in rows {
@@ -72,7 +73,7 @@ pub fn coverage(rows: &[Row]) -> Vec<(String, f64, usize)> {
     keys.into_iter().map(of).collect()
 }
 
-/// Makes the sets and fits them.
+/// Generates the data sets and fits each of them.
 ///
 /// # Errors
 /// [`ValidationError`] where the scene has no such model or reference, or a fit fails.
@@ -169,7 +170,7 @@ pub fn check(plan: &Plan, mut done: impl FnMut(usize)) -> Result<Vec<Row>, Valid
     Ok(rows)
 }
 
-/// Noise with the autocovariance of residuals.
+/// Noise with the autocovariance of the residuals.
 fn moving_average(residuals: &[f64], random: &mut Random) -> Vec<f64> {
     let n = residuals.len();
     let white: Vec<f64> = (0..2 * n).map(|_| random.normal()).collect();
@@ -182,7 +183,7 @@ fn moving_average(residuals: &[f64], random: &mut Random) -> Vec<f64> {
         .collect()
 }
 
-/// All rows as a table.
+/// All rows as CSV.
 pub fn csv(plan: &Plan, rows: &[Row]) -> String {
     let mut out = format!(
         "# gearbench-validation coverage {} --model {} --sets {} --seed {}\n",
@@ -217,8 +218,9 @@ pub fn csv(plan: &Plan, rows: &[Row]) -> String {
 mod tests {
     use super::*;
 
-    /// A reduced version of the stored check: rigid gears, a few sets. Of 24 intervals 95 % hold on average, and fewer than
-    /// 20 hold in one of 200 such checks. One clock offset of these sets cannot be told, and does not count as held.
+    /// Reduced version of the stored check with rigid gears and few data sets. Of 24 intervals 95 % contain the true
+    /// value on average, and fewer than 20 do in one of 200 such checks. One clock offset of these sets cannot be
+    /// determined, and does not count as contained.
     #[test]
     fn intervals_hold_the_truth() {
         let plan = Plan {
@@ -237,7 +239,7 @@ mod tests {
         assert!(csv(&plan, &rows).lines().count() == 2 + rows.len());
     }
 
-    /// Its autocovariance is that of the residuals.
+    /// The autocovariance of the noise is that of the residuals.
     #[test]
     fn the_noise_has_the_spectrum_of_the_residuals() {
         let residuals: Vec<f64> = (0..50).map(|i| (0.3 * f64::from(i)).sin()).collect();

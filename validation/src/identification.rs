@@ -1,9 +1,9 @@
-//! How far do identified constants carry? Rigid gears and movable teeth fitted to full finite elements at one speed, and
-//! held against them at a third and at three times that speed; and what stiffness the fits find beside what is published,
-//! normed, computed and at rest.
+//! Validity of identified constants at other speeds. Rigid gears and movable teeth are fitted to full finite elements
+//! at one speed, and compared with them at a third and at three times that speed; the fitted stiffnesses are compared
+//! with published, standard, computed and static ones.
 //!
-//! Finite elements run as their scene says; their history is cut where the gears have parted, because at another speed
-//! they reach the other flanks at another time.
+//! Finite elements run under the conditions of their scene. Their history is cut at the separation of the gears,
+//! because at another speed they reach the other flanks at another time.
 
 use crate::validate::ValidationError;
 use gearbench::experiment::conditions::even;
@@ -31,48 +31,48 @@ mod wanted;
 pub use tables::markdown;
 use wanted::{WANTED, Wanted, of_gears};
 
-/// Speeds over that of the scene; the first is fitted.
+/// Speeds relative to that of the scene; constants are fitted to the first.
 const SPEEDS: [f64; 3] = [1.0, 1.0 / 3.0, 3.0];
-/// Times of a history over the scene's duration.
+/// Number of times of a history over the duration of the scene.
 const TIMES: usize = 320;
-/// Load at rest over the face width [N/m].
+/// Static load per face width [N/m].
 const LOAD: f64 = 100e3;
-/// Positions of a mesh cycle at rest.
+/// Number of static positions over a mesh cycle.
 const POSITIONS: usize = 24;
 /// Tooth stiffnesses of S. Ebrahimi, P. Eberhard, SIMPACK User Meeting 2006 [N/m].
 const PUBLISHED: [f64; 2] = [5.6e7, 3.6e9];
-/// A stiffness over the width of 1 N/(mm um) [N/m^2].
+/// Conversion of a stiffness per face width from N/(mm um) to N/m^2.
 const N_PER_MM_UM: f64 = 1e9;
 
 /// A model fitted to finite elements.
 pub struct Fitted {
-    /// What was fitted.
+    /// Name of the fit: model and free constants.
     pub name: &'static str,
-    /// The fit, the held-out speeds included.
+    /// Result of the identification, with the held-out speeds.
     pub found: Identification,
     /// The model without its constants.
     modelling: Modelling,
 }
 
-/// A line of the table of stiffnesses.
+/// A row of the table of stiffnesses.
 pub struct Stiffness {
-    /// Where it comes from.
+    /// Source of the value.
     pub source: String,
-    /// What its number means.
+    /// Definition of the stiffness that the source states.
     pub convention: &'static str,
-    /// The number in that convention, with its unit.
+    /// The stated value in that convention, with its unit.
     pub stated: String,
-    /// Largest stiffness of one pair along the line of action over the width, and mean of the mesh [N/m^2].
+    /// Largest stiffness of one tooth pair along the line of action per face width, and mean of the mesh [N/m^2].
     pub pair_and_mesh: Option<[f64; 2]>,
 }
 
-/// All of a scene.
+/// Results of one scene: fits and stiffnesses.
 pub struct Carried {
-    /// Its name.
+    /// Name of the scene.
     pub scene: String,
-    /// The fits.
+    /// The fitted models of the scene.
     pub fits: Vec<Fitted>,
-    /// The stiffnesses.
+    /// The rows of the table of stiffnesses.
     pub stiffnesses: Vec<Stiffness>,
 }
 
@@ -80,7 +80,7 @@ fn other(e: &dyn Display) -> ValidationError {
     ValidationError::Other(e.to_string())
 }
 
-/// Fits the models of a scene to its finite elements.
+/// Fits the models of a scene to full finite elements.
 ///
 /// # Errors
 /// [`ValidationError`] where the scene has no finite elements, or a run or a fit fails.
@@ -155,7 +155,7 @@ pub fn carry(
     })
 }
 
-/// The contact force of finite elements at a multiple of the scene's speed, up to where the gears have parted.
+/// Contact force of full finite elements at a multiple of the scene's speed, up to the separation of the gears.
 fn history(
     scene: &SceneFile,
     fe: &ModelChoice,
@@ -209,7 +209,7 @@ fn history(
     Ok(set)
 }
 
-/// Stiffness of a pair and of the mesh at rest [N/m^2].
+/// Static stiffness of a tooth pair and of the mesh per face width [N/m^2].
 fn at_rest(spec: &SceneSpec, modelling: &Modelling, force: f64) -> Option<[f64; 2]> {
     let mut pair = LoadedPair::new(spec, modelling, models()).ok()?;
     let cycle = MeshCycle::solve(&mut pair, Load::Force(force), POSITIONS, |_| {}).ok()?;
@@ -310,10 +310,11 @@ fn stiffnesses(
     Ok(all)
 }
 
-/// The bars that movable teeth are to keep: force, peak and impulse where they are fitted, force at the other speeds.
+/// Limits for movable teeth: relative errors of force, peak and impulse at the fitted speed, and of the force at the
+/// other speeds.
 pub const BARS: [f64; 4] = [0.04, 0.03, 0.005, 0.08];
 
-/// Whether a fit keeps the bars.
+/// True if the errors of a fit are within [`BARS`].
 pub fn keeps(fit: &Fitted) -> bool {
     fit.found.record.data.iter().all(|d| {
         let within = |x: Option<f64>, bar: f64| x.is_none_or(|x| x.abs() <= bar);

@@ -1,16 +1,17 @@
-//! Validation of the model choice: random scenes, every candidate tried, the choice held against the cheapest adequate.
+//! Validation of the model choice: on random scenes every candidate is run, and the choice is compared with the
+//! cheapest adequate candidate.
 //!
 //! | module | owns |
 //! |---|---|
-//! | [`agreement`] | whether `compare` and `choose` answer alike on scenes of users |
+//! | [`agreement`] | agreement of `compare` and `choose` on scenes in the style of users |
 //! | [`arguments`] | the command line |
 //! | [`sampling`] | random scenes: sets, seeds, distributions |
 //! | [`validate`] | one scene: its reference, all candidates, the choice |
 //! | [`campaign`] | a set of scenes, in parallel, with a journal |
-//! | [`reduction`] | elastic gears against full finite elements on the same scenes |
-//! | [`coverage`] | whether the intervals of identified constants hold the truth |
-//! | [`figures`] | figures that the documents quote: commands, stored values, comparison |
-//! | [`identification`] | identified constants against finite elements at other speeds |
+//! | [`reduction`] | elastic gears compared with full finite elements on the same scenes |
+//! | [`coverage`] | coverage of the intervals of identified constants on synthetic data |
+//! | [`figures`] | figures in the documents: commands, stored values, comparison |
+//! | [`identification`] | identified constants compared with finite elements at other speeds |
 
 mod agreement;
 mod arguments;
@@ -45,10 +46,10 @@ use std::process::ExitCode;
 use std::sync::Arc;
 use validate::ValidationError;
 
-/// Share of scenes that choices are to meet, and cost ratio that their median is to keep.
+/// Required share of adequate choices, and largest median of the cost ratio.
 const ASKED: (f64, f64) = (0.95, 2.0);
 
-/// Parts of made data in which a 95 % interval may hold the truth.
+/// Accepted range of the share of 95 % intervals that contain the true value.
 const COVERAGE: [f64; 2] = [0.90, 0.99];
 
 fn main() -> ExitCode {
@@ -66,7 +67,7 @@ fn main() -> ExitCode {
     terminal::end(&told, done)
 }
 
-/// Runs both commands on each scene, one after the other, and writes the table after each.
+/// Runs both commands on each scene in turn, and writes the table after each.
 fn agree(args: &arguments::Agreement) -> Result<Answer, Refusal> {
     let [first, last] = args.scenes.unwrap_or([1, agreement::SCENES]);
     let fail = |e: std::io::Error| Refusal::Files(format!("{}: {e}", args.out.display()));
@@ -109,7 +110,7 @@ fn agree(args: &arguments::Agreement) -> Result<Answer, Refusal> {
     }))
 }
 
-/// Measures the figures of the documents again and writes them.
+/// Measures the figures of the documents again and writes them into the documents.
 fn quote(args: &arguments::Figures) -> Result<Answer, Refusal> {
     let root = figures::repository();
     let mut stored = figures::Figures::load(&root).map_err(Refusal::Failed)?;
@@ -156,7 +157,7 @@ fn print(set: &str, number: usize) -> Result<Answer, Refusal> {
     Ok(Answer::done())
 }
 
-/// Holds elastic gears against full finite elements and writes a table.
+/// Compares elastic gears with full finite elements and writes a table.
 fn reduce(args: &arguments::Reduction) -> Result<Answer, Refusal> {
     let set = sampling::set(&args.set).map_err(refuse_sample)?;
     let [first, last] = args.scenes.unwrap_or([1, set.scenes]);
@@ -200,7 +201,7 @@ fn reduce(args: &arguments::Reduction) -> Result<Answer, Refusal> {
     Ok(Answer::done().ending(if enough { Exit::Done } else { Exit::FellShort }))
 }
 
-/// Checks intervals on made data and writes a table.
+/// Checks the coverage of intervals on synthetic data and writes a table.
 fn cover(args: &arguments::Coverage) -> Result<Answer, Refusal> {
     let plan = coverage::Plan {
         scene: args.scene.clone(),
@@ -226,7 +227,7 @@ fn cover(args: &arguments::Coverage) -> Result<Answer, Refusal> {
     Ok(Answer::done().ending(if good { Exit::Done } else { Exit::FellShort }))
 }
 
-/// Fits models to finite elements, holds them against these at other speeds, and writes the tables.
+/// Fits models to full finite elements, compares them with these at other speeds, and writes the tables.
 fn carry(args: &arguments::Identification, command: &str) -> Result<Answer, Refusal> {
     let kept = args.out.with_extension(JOURNAL);
     let subject = Subject {
@@ -254,7 +255,7 @@ fn write_to(path: &std::path::Path, text: &str) -> Result<(), Refusal> {
     std::fs::write(path, text).map_err(|e| Refusal::Files(format!("{}: {e}", path.display())))
 }
 
-/// Validates choices on a set of random scenes and writes the folder.
+/// Validates choices on a set of random scenes and writes the results.
 fn validate(args: &arguments::Run, command: &str) -> Result<Answer, Refusal> {
     let name = args.set.as_str();
     let mut set = sampling::set(name).map_err(refuse_sample)?;
@@ -372,7 +373,7 @@ fn summarise(results: &Results) {
     }
 }
 
-/// All candidates of all scenes.
+/// All candidates of all scenes as CSV.
 fn candidates_csv(rows: &[ValidatedChoice]) -> String {
     let mut out = String::from("scene,metric,tolerance,candidate,status,error,cost_s\n");
     let number = |x: Option<f64>| x.map_or_else(String::new, |x| format!("{x:.6e}"));

@@ -1,32 +1,34 @@
-//! Elastic gears held against full finite elements on the same mesh and contact, on random scenes: does every run end,
-//! and what do the modes that are cut cost?
+//! Error of modal reduction: elastic gears compared with full finite elements on the same mesh and contact, on random
+//! scenes.
 //!
-//! Gears that run under load are run for a mesh cycle, at the shorter of its 500th and a 100th of an impact; an impact is
-//! run whole, at a 500th of its length, and hammering gears up to the end of their first impact.
+//! Gears under load are run for one mesh cycle, with the shorter of a 500th of the cycle and a 100th of an impact as
+//! step; an impact is run completely, with a 500th of its duration as step, and hammering gears up to the end of their
+//! first impact.
 //!
-//! Full finite elements and elastic gears with 150 modes take HHT-alpha at the same step, so that what they differ by is
-//! the reduction's; the elastic gears also the trigonometric method, which is what they run under otherwise. What the
-//! integration of the finite elements themselves is off by is told beside it, by a run at twice the step: the step at hand
-//! leaves a third of that where it resolves what vibrates, and as much where teeth ring on undamped, out of phase.
+//! Full finite elements and elastic gears with 150 modes are run under HHT-alpha at the same step, so that their
+//! difference is the error of the reduction; the elastic gears are also run under the trigonometric method, which is
+//! their usual one. The integration error of the finite elements is estimated by a run at twice the step: the step
+//! itself has a third of that error if it resolves the vibrations, and as much if teeth vibrate undamped and out of
+//! phase.
 //!
-//! Three things are made equal for that:
+//! For a fair comparison three things are made equal:
 //!
-//! - Modes have no damping of their own: finite elements have none.
-//! - Gears that run under load start where their flanks just touch, and the load comes up within the mesh cycle. Where the
-//!   exact flanks touch, those through the nodes overlap by the error of their splines (0.2 um of 3 mm module with eight
-//!   elements), and nodes without mass of their own take that at once, those of finite elements with theirs: the shock
-//!   rings at the frequency of a node on its penalty, which no step of a 500th of a mesh cycle resolves (error of the force
-//!   under Newmark's method 20 % at 3 us, 15 % at 1 us, and 9 % under HHT-alpha; none of it the reduction's). Under the
-//!   whole load at once, without damping, the teeth part and strike again, and what integrators are off by grows from one
-//!   impact to the next, in either model (3 % at 1 us, 2 % at 0.3 us).
-//! - The method damps what a step does not resolve: cut modes follow their loads without ringing, those of finite elements
-//!   ring for ever under a method that keeps their energy.
+//! - Modes have no modal damping, as finite elements have none.
+//! - Gears under load start at first contact of their flanks, and the load is ramped up within the mesh cycle. Where
+//!   the exact flanks touch, the flanks through the nodes overlap by the error of their splines (0.2 um at 3 mm module
+//!   with eight elements). Nodes without mass follow that at once, nodes of finite elements with their mass: the shock
+//!   excites the frequency of a node on its penalty, which a step of a 500th of a mesh cycle does not resolve (error of
+//!   the force under Newmark's method 20 % at 3 us, 15 % at 1 us, and 9 % under HHT-alpha; none of it from the
+//!   reduction). If the whole load acts at once, without damping, the teeth separate and collide again, and the
+//!   integration error grows from one impact to the next, in either model (3 % at 1 us, 2 % at 0.3 us).
+//! - The method damps vibrations that the step does not resolve: truncated modes follow their loads quasi-statically,
+//!   while those of finite elements vibrate for ever under an energy-conserving method.
 //!
-//! What is left is not of the modes alone. Elastic gears know displacements along the normals of flanks, by which points
-//! that leave over a tip are not told from undeformed ones: static transmission errors are within 1e-3 of those of finite
-//! elements (22 and 33 teeth, 48 positions), but 1.6e-2 off (0.8e-2 with 16 elements) in the one where a pair leaves.
-//! Teeth without damping ring on from there: at 0.25 us such a run is 1.4 % off with 150 and with 1,200 modes, which are
-//! within 0.4 % of each other.
+//! The remaining error is not due to the modes alone. Elastic gears use displacements along the flank normals, which do
+//! not distinguish points that leave over a tip from undeformed ones: static transmission errors agree with those of
+//! finite elements within 1e-3 (22 and 33 teeth, 48 positions), except for an error of 1.6e-2 (0.8e-2 with 16 elements)
+//! at the one position where a pair leaves contact. Undamped teeth vibrate from there on: at 0.25 us such a run has an
+//! error of 1.4 % with 150 and with 1,200 modes, which agree within 0.4 %.
 
 use crate::sampling::{Kind, Set, one_impact, sample};
 use crate::validate::{ValidationError, grid, outcome};
@@ -40,52 +42,53 @@ use gearbench_reports::Metric;
 use std::fmt::Write as _;
 use std::sync::Arc;
 
-/// Modes of each elastic gear.
+/// Number of modes of each elastic gear.
 const MODES: usize = 150;
-/// Numerical damping of HHT-alpha.
+/// Parameter of the numerical damping of HHT-alpha.
 const ALPHA: f64 = 0.05;
-/// Steps of a mesh cycle, and of an impact; least steps of an impact within a mesh cycle.
+/// Number of steps of a mesh cycle, and of an impact.
 const STEPS: f64 = 500.0;
-/// See [`STEPS`].
+/// Least number of steps of an impact within a mesh cycle; see [`STEPS`].
 const RESOLVED: f64 = 100.0;
-/// Gap at which no flanks of gears overlap any more, over the module: some times what splines overlap by; halvings of it
-/// that find where they just touch.
+/// Gap at which the flanks of the gears do not overlap, relative to the module; bisection from there finds the gap of
+/// first contact.
 const APART: f64 = 5e-4;
-/// See [`APART`].
+/// Number of bisections of the gap; see [`APART`].
 const HALVINGS: u32 = 10;
-/// Greatest error of the force history that the reduction may have.
+/// Largest allowed relative L2 error of the force history.
 pub const LIMIT: f64 = 0.01;
 
-/// What a scene said.
+/// Errors of the elastic model in one scene against full finite elements.
 #[derive(Clone, Debug)]
 pub struct Row {
     pub scene: String,
     pub kind: String,
     pub duration_s: f64,
     pub step_s: f64,
-    /// How the runs of finite elements, of elastic gears, and of these under the trigonometric method ended.
+    /// Status of the runs of finite elements, of elastic gears, and of elastic gears under the trigonometric method.
     pub status: [String; 3],
-    /// Error of the force history in L2, where all ended: under the same method, and under the trigonometric one.
+    /// Relative L2 error of the force history, if all runs ended: under the same method, and under the trigonometric
+    /// one.
     pub error: [Option<f64>; 2],
-    /// What twice the step changes in the force history of the finite elements.
+    /// Change of the force history of the finite elements under twice the step, relative L2 norm.
     pub integration: Option<f64>,
-    /// Energy that each run made up (lost, below zero), over the most that vibrated.
+    /// Unexplained energy of each run (negative if lost), relative to the largest vibration energy.
     pub residual: [Option<f64>; 3],
 }
 
 impl Row {
-    /// All runs ended.
+    /// True if all runs reached their end.
     pub fn ended(&self) -> bool {
         self.error.iter().all(Option::is_some)
     }
 
-    /// The reduction costs no more than it may.
+    /// True if the error of the reduction is within [`LIMIT`].
     pub fn is_within(&self) -> bool {
         self.error[0].is_some_and(|e| e <= LIMIT)
     }
 }
 
-/// Runs a scene of a set both ways; the runner keeps every run that has ended.
+/// Runs a scene of a set with both models; the runner stores every finished run.
 ///
 /// # Errors
 /// [`ValidationError`]: a sampling that fails, a run that cannot start.
@@ -146,7 +149,7 @@ pub fn compare(
     })
 }
 
-/// Lets the loads come up within a mesh cycle, and starts the gears where the first point of their flanks just touches.
+/// Ramps the loads up over one mesh cycle, and starts the gears at first contact.
 fn start_gently(problem: &mut Problem, cycle: f64, module: f64) -> Result<(), ValidationError> {
     for gear in &mut problem.scene.gears {
         for load in &mut gear.loads {
@@ -184,7 +187,7 @@ fn start_gently(problem: &mut Problem, cycle: f64, module: f64) -> Result<(), Va
     Ok(())
 }
 
-/// A mesh cycle of a scene whose gears run [s], and their module [m].
+/// Period of the mesh cycle [s] and module [m] of a scene with running gears.
 fn mesh_cycle(problem: &Problem) -> Option<(f64, f64)> {
     let spec = &problem.scene;
     let [a, b] = spec.meshes.first()?.gears.map(|i| &spec.gears[i]);
@@ -198,7 +201,7 @@ fn mesh_cycle(problem: &Problem) -> Option<(f64, f64)> {
     ))
 }
 
-/// All rows as a table.
+/// All rows as CSV.
 pub fn csv(rows: &[Row]) -> String {
     let mut out = String::from(
         "scene,kind,duration_s,step_s,fe,elastic,elastic_trigonometric,force_l2,force_l2_trigonometric,\

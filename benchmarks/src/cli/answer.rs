@@ -1,8 +1,9 @@
-//! What a command answers: how it ended, and the same for programs, one JSON object (`--json`).
+//! The result of a command: its exit code and, for programs, one JSON object (`--json`).
 //!
-//! An object has `command`, `exit` (code and meaning), `warnings` and what the command found: a study the `results` of its
-//! record without histories, under the keys of `results.json`, and the paths of `record` and `report`; other commands
-//! keys of their own. One of bad input or a failed run stands on standard error, with `error` (message, file, line, help).
+//! An object has the keys `command`, `exit` (code and meaning) and `warnings`. A study adds the `results` of its record
+//! without histories, under the keys of `results.json`, and the paths of `record` and `report`; other commands add keys
+//! of their own. After bad input or a failed run the object is written to standard error, with `error` (message, file,
+//! line, help).
 
 use super::exit::Exit;
 use gearbench_reports::record::Results;
@@ -10,19 +11,19 @@ use miette::{Diagnostic, Report};
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 
-/// Keys of a record that an answer leaves out: histories, which are in the record or in files.
+/// Keys of a record that the JSON object leaves out: histories, which are in the record or in its files.
 const LONG: [&str; 4] = ["series", "further", "histories", "contacts"];
 
-/// What a command answers.
+/// The result of a command: exit code and the keys of its JSON object.
 #[derive(Clone, Debug)]
 pub struct Answer {
-    /// How it ended.
+    /// How the command ended.
     pub exit: Exit,
     found: Map<String, Value>,
 }
 
 impl Answer {
-    /// All is well.
+    /// A successful result without keys of its own.
     pub fn done() -> Self {
         Answer {
             exit: Exit::Done,
@@ -30,27 +31,27 @@ impl Answer {
         }
     }
 
-    /// What a study found.
+    /// The result of a study: key `results` with the record, histories removed.
     pub fn of(results: &Results) -> Self {
         let mut whole = value(results);
         without_histories(&mut whole);
         Answer::done().with("results", whole)
     }
 
-    /// The same, ending otherwise.
+    /// Replaces the exit code.
     #[must_use]
     pub fn ending(self, exit: Exit) -> Self {
         Answer { exit, ..self }
     }
 
-    /// The same with something more that was found; a number that is not finite is `null`.
+    /// Adds a key to the JSON object; a number that is not finite becomes `null`.
     #[must_use]
     pub fn with(mut self, key: &str, found: impl Serialize) -> Self {
         self.found.insert(key.to_owned(), value(found));
         self
     }
 
-    /// The object for programs.
+    /// The JSON object of a successful command.
     pub(super) fn json(self, command: &str, warnings: Vec<String>) -> Value {
         let mut all = head(command, self.exit, warnings);
         all.extend(self.found);
@@ -58,7 +59,7 @@ impl Answer {
     }
 }
 
-/// The object for programs of a command that was refused or failed.
+/// The JSON object of a command that was refused or failed.
 pub(super) fn refusal(command: &str, exit: Exit, report: &Report, warnings: Vec<String>) -> Value {
     let mut error = Map::new();
     error.insert("message".into(), report.to_string().into());
@@ -83,19 +84,19 @@ fn head(command: &str, exit: Exit, warnings: Vec<String>) -> Map<String, Value> 
     all
 }
 
-/// File and line, from 1, of the first label.
+/// File and line (from 1) of the first label of an error.
 fn place(of: &dyn Diagnostic) -> Option<(String, usize)> {
     let label = of.labels()?.next()?;
     let source = of.source_code()?.read_span(label.inner(), 0, 0).ok()?;
     Some((source.name()?.to_owned(), source.line() + 1))
 }
 
-/// Data of the program as JSON: its types all have that form.
+/// Converts data of the program to JSON, which cannot fail for its types.
 fn value(of: impl Serialize) -> Value {
     serde_json::to_value(of).unwrap_or(Value::Null)
 }
 
-/// Takes what is long out of an object and all that it holds.
+/// Removes the histories from an object and from all objects within it.
 fn without_histories(value: &mut Value) {
     match value {
         Value::Object(map) => {
@@ -115,7 +116,7 @@ mod tests {
     use gearbench_reports::record::{ReferenceSeries, Run};
     use gearbench_reports::{ContactSnapshot, Histories, TimeSeries};
 
-    /// However long the histories of a study are, its answer is not.
+    /// The JSON object of a study stays small, however long the histories are.
     #[test]
     fn an_answer_has_no_histories() {
         let mut series = TimeSeries::default();

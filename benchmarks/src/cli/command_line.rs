@@ -1,6 +1,7 @@
-//! The command line as records keep it: one line that a shell reads as it was given.
+//! The command line in records: one line that a shell splits into the same words.
 
-/// The command line as it was given, with the program's own name instead of its path. Bytes that are no text are replaced.
+/// Formats the command line with the name of the program in place of its path. Bytes that are not valid text are
+/// replaced.
 pub fn told(program: &str) -> String {
     let quote = |a: String| {
         let plain = !a.is_empty()
@@ -19,7 +20,7 @@ pub fn told(program: &str) -> String {
     format!("{program} {}", arguments.join(" "))
 }
 
-/// The words of a command line in a record, without the program.
+/// Splits the command line of a record into words, without the program.
 pub fn split(text: &str) -> Vec<String> {
     let mut words = Vec::new();
     let mut word: Option<String> = None;

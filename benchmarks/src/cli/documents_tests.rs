@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 
 const NOTE: &str = "This page is generated from the program; a test compares it.";
 
-/// Text in a cell of a table.
+/// Escapes text for a cell of a Markdown table.
 fn cell(text: &str) -> String {
     text.trim()
         .replace('|', "\\|")

@@ -1,4 +1,4 @@
-//! How the command can end: the one table of exit codes, for the terminal, `--help`, `--json` and the book.
+//! Exit codes of the command: one table for the terminal, `--help`, `--json` and the book.
 
 use crate::experiment::interruption;
 use gearbench_reports::Study;
@@ -6,23 +6,23 @@ use gearbench_reports::comparison::Kind;
 use gearbench_reports::record::{Part, Results, Run, Status};
 use std::process::ExitCode;
 
-/// How the command ends.
+/// Exit status of the command.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Exit {
-    /// What was asked for is there.
+    /// The command produced its result.
     Done,
-    /// A result is there and falls short.
+    /// The result exists, but does not meet a requirement.
     FellShort,
-    /// The input, an argument or a place to write to is wrong.
+    /// The input, an argument or an output path is wrong.
     BadInput,
-    /// Something could not be computed.
+    /// A computation of the command failed.
     FailedRun,
-    /// Stopped by a signal.
+    /// The command was stopped by a signal.
     Interrupted,
 }
 
 impl Exit {
-    /// All, as in the table.
+    /// All exit codes, in the order of the table.
     pub const ALL: [Exit; 5] = [
         Exit::Done,
         Exit::FellShort,
@@ -31,12 +31,12 @@ impl Exit {
         Exit::Interrupted,
     ];
 
-    /// The rule of what passes, for the help.
+    /// Rule for results that were not judged, for the help.
     pub const RULE: &str = "\
 What was not judged has not passed: under a scene's `tolerance` a run that could not be compared
 ends with 1, as one beyond the tolerance does; `except` names models that are left out of that.";
 
-    /// The number that a shell sees.
+    /// The number of the exit code.
     pub fn code(self) -> u8 {
         match self {
             Exit::Done => 0,
@@ -47,7 +47,7 @@ ends with 1, as one beyond the tolerance does; `except` names models that are le
         }
     }
 
-    /// What it means, in the words of the table.
+    /// The meaning of the exit code, as in the table of the help.
     pub fn meaning(self) -> &'static str {
         match self {
             Exit::Done => "done",
@@ -62,14 +62,14 @@ ends with 1, as one beyond the tolerance does; `except` names models that are le
         }
     }
 
-    /// The table, a line for each.
+    /// The table of exit codes with their meanings, one line each.
     pub fn table() -> String {
         let lines = Exit::ALL.map(|e| format!("  {:<5}{}", e.code(), e.meaning()));
         lines.join("\n")
     }
 
-    /// Of a study whose runs are all meant to hold: one that failed decides, then one beyond the tolerance or not judged
-    /// by it, unless its model is shown for its error (`except` of the scene's `tolerance`).
+    /// The exit code of a study all of whose runs have to be sound: a failed run decides, then a run beyond the
+    /// tolerance or not judged by it, unless the tolerance of the scene excepts its model (`except`).
     pub fn of_every_run(results: &Results) -> Exit {
         let excepted = |r: &Run| {
             (results.tolerance.as_ref()).is_some_and(|t| t.except.contains(&r.model_label()))
@@ -93,9 +93,9 @@ ends with 1, as one beyond the tolerance does; `except` names models that are le
         }
     }
 
-    /// Of a comparison: where it looks for a model that is enough, and its yardstick is one that it made, a model of the
-    /// scene, or a reference that states its own error, one adequate run answers the question. Where the scene has a
-    /// reference that counts as exact all runs are meant to hold.
+    /// The exit code of a comparison. If its yardstick is one that it computed, a model of the scene, or a reference
+    /// that states its own error, one adequate run is enough. If the scene has a reference that counts as exact, all
+    /// runs have to be sound.
     pub fn of_comparison(results: &Results) -> Exit {
         let made = match &results.part {
             Part::Compare(part) => {
@@ -120,8 +120,8 @@ ends with 1, as one beyond the tolerance does; `except` names models that are le
         }
     }
 
-    /// Of a study that goes on until methods fail (errors against cost, errors over modes): its failures are its
-    /// subject. One without any run that was compared with something falls short, and one without any sound run has failed.
+    /// The exit code of a study that continues until methods fail (errors against cost, errors over modes), where
+    /// failures are results. Without any comparison it falls short, and without any sound run it has failed.
     pub fn of_any_run(results: &Results) -> Exit {
         let sound = |r: &&Run| r.status.holds();
         let mut ended = results.runs.iter().filter(|r| !r.status.is_failure());

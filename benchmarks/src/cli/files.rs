@@ -1,8 +1,9 @@
-//! Files that commands write: whole or not at all, and never in the place of an input or of somebody else's file.
+//! Output files of commands. They are written completely or not at all, and never replace an input or a file of another
+//! program.
 //!
-//! A file gets its name when it is whole and on disk. Until then it is `.NAME.PID-N.part` beside its place, created anew,
-//! so that no link is followed. A failure removes it. A kill leaves it, and the next file of that name removes it: its
-//! writer held a lock on it that the system has freed.
+//! A file gets its name when it is complete and on disk. Until then it is `.NAME.PID-N.part` in the same folder,
+//! created anew, so that no link is followed. A failure removes it. A killed process leaves it, and the next file of
+//! that name removes it, as the system has freed the lock of its writer.
 
 use super::refusal::Refusal;
 use std::fs::{self, File};
@@ -10,7 +11,7 @@ use std::io::{self, ErrorKind, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU32, Ordering};
 
-/// A file on its way to its place.
+/// A file that is written under a temporary name until it is complete.
 #[derive(Debug)]
 pub struct Staged {
     file: File,
@@ -20,7 +21,7 @@ pub struct Staged {
 }
 
 impl Staged {
-    /// Creates the unfinished file in the folder of the finished one.
+    /// Creates the temporary file in the folder of the final file.
     ///
     /// # Errors
     /// When its folder cannot be written to.
@@ -44,10 +45,10 @@ impl Staged {
         })
     }
 
-    /// Gives the file its name.
+    /// Renames the complete file to its final name.
     ///
     /// # Errors
-    /// When it cannot be brought to disk, or its place not be taken; what was there before stays.
+    /// The file cannot be synced or renamed; an existing file then stays.
     pub fn keep(mut self) -> io::Result<()> {
         self.file.sync_all()?;
         fs::rename(&self.part, &self.path)?;
@@ -55,7 +56,7 @@ impl Staged {
         Ok(())
     }
 
-    /// Its place.
+    /// The path that the file has after [`Staged::keep`].
     pub fn path(&self) -> &Path {
         &self.path
     }
@@ -79,7 +80,7 @@ impl Drop for Staged {
     }
 }
 
-/// Removes what killed processes have left of a file.
+/// Removes temporary files that killed processes left.
 fn remove_parts(path: &Path) {
     let (Some(name), folder) = (path.file_name(), folder_of(path)) else {
         return;
@@ -99,23 +100,23 @@ fn remove_parts(path: &Path) {
     }
 }
 
-/// The folder that a file is in.
+/// The parent folder of a file.
 pub fn folder_of(path: &Path) -> &Path {
     let parent = path.parent().filter(|p| !p.as_os_str().is_empty());
     parent.unwrap_or(Path::new("."))
 }
 
-/// Writes a file, whole or not at all.
+/// Writes a file completely or not at all.
 ///
 /// # Errors
-/// When it cannot be written; what was there before stays.
+/// The file cannot be written; an existing file then stays.
 pub fn write_whole(path: &Path, contents: impl AsRef<[u8]>) -> io::Result<()> {
     let mut staged = Staged::begin(path)?;
     staged.write_all(contents.as_ref())?;
     staged.keep()
 }
 
-/// Whether two paths lead to one file, by whatever links.
+/// True if two paths lead to the same file, through any links.
 pub fn is_same(a: &Path, b: &Path) -> bool {
     #[cfg(unix)]
     {
@@ -130,19 +131,19 @@ pub fn is_same(a: &Path, b: &Path) -> bool {
 /// Existing files that a command may replace.
 #[derive(Clone, Copy, Debug)]
 pub struct Overwriting<'a> {
-    /// Files that the command reads. None of them is ever written.
+    /// Input files of the command. None of them is ever overwritten.
     pub inputs: &'a [PathBuf],
-    /// Text in the files that the command writes, near their beginning or their end: such a file is replaced.
+    /// Text that marks the files of the command, near their beginning or their end: a file with it may be replaced.
     pub mark: Option<&'a str>,
-    /// Other files are replaced too (`--force`).
+    /// True if files without the mark may be replaced too (`--force`).
     pub force: bool,
 }
 
 impl Overwriting<'_> {
-    /// Makes sure, before anything is computed, that a file may be written.
+    /// Checks, before any computation, that a file may be written.
     ///
     /// # Errors
-    /// A refusal with a way out.
+    /// [`Refusal`] with help.
     pub fn check(&self, path: &Path) -> Result<(), Refusal> {
         let refuse = |what: &str, help: &str| {
             Err(Refusal::Input(miette::miette!(
@@ -173,7 +174,7 @@ impl Overwriting<'_> {
     }
 }
 
-/// Whether a text is in the first or the last bytes of a file.
+/// True if a text occurs in the first or last 64 KiB of a file.
 fn has_mark(path: &Path, mark: &str) -> bool {
     const PART: u64 = 1 << 16;
     let read = || -> io::Result<Vec<u8>> {

@@ -1,7 +1,7 @@
-//! The lock of an output folder: one process at a time writes there.
+//! The lock of an output folder, which allows one process at a time to write there.
 //!
 //! The lock is one of the operating system on the file `.lock`, which the system frees when its process ends, however it
-//! ends. The file names the owner for whoever comes second.
+//! ends. The file names the owner for a second process.
 
 use super::refusal::Refusal;
 use super::terminal;
@@ -12,10 +12,10 @@ use std::io::{self, ErrorKind, Read, Seek, Write};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-/// Name of the file in the folder.
+/// Name of the lock file in the folder.
 pub const LOCK: &str = ".lock";
 
-/// The process that a folder belongs to.
+/// The process that holds the lock of a folder.
 #[derive(Debug, Serialize, Deserialize)]
 struct Owner {
     pid: u32,
@@ -42,7 +42,7 @@ impl Owner {
     }
 }
 
-/// The lock of a folder, until it is dropped.
+/// The lock of a folder; dropping it releases the folder.
 #[derive(Debug)]
 pub struct FolderLock {
     file: File,
@@ -50,7 +50,7 @@ pub struct FolderLock {
 }
 
 impl FolderLock {
-    /// Takes the lock of a folder.
+    /// Acquires the lock of a folder.
     ///
     /// # Errors
     /// [`Refusal::Input`] with the owner where another process has it, [`Refusal::Files`] where the folder cannot be
@@ -102,7 +102,7 @@ impl Drop for FolderLock {
     }
 }
 
-/// Whether an open file is the one at a path.
+/// True if an open file is still the one at a path.
 fn is_at(file: &File, path: &Path) -> bool {
     #[cfg(unix)]
     {
@@ -119,7 +119,7 @@ fn is_at(file: &File, path: &Path) -> bool {
     }
 }
 
-/// The refusal of a folder that another process writes to.
+/// The refusal for a folder that another process writes to.
 fn taken(folder: &Path, file: &mut File) -> Refusal {
     let mut owner = None;
     // A new owner may not have written its name yet.

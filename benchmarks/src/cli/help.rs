@@ -1,4 +1,4 @@
-//! `gearbench help`: the commands in groups, the help of one command, and the documents that come with the program.
+//! The command `gearbench help`: commands in groups, help of one command, and the embedded documents.
 
 use super::answer::Answer;
 use super::terminal::{self, Manner, Refusal};
@@ -6,7 +6,7 @@ use super::{Cli, Command};
 use crate::scene_file::did_you_mean;
 use clap::{Args, CommandFactory, Subcommand};
 
-/// A document that is part of the program.
+/// A document that is compiled into the program.
 struct Document {
     name: &'static str,
     title: &'static str,
@@ -36,7 +36,7 @@ const DOCUMENTS: [Document; 4] = [
     },
 ];
 
-/// The commands by what they are for, in the order of their use.
+/// Groups of commands by purpose, in the order of use.
 const GROUPS: [(&str, &[&str]); 5] = [
     ("Start", &["init", "list", "help"]),
     (
@@ -72,7 +72,7 @@ pub struct Help {
     pub topic: Option<String>,
 }
 
-/// The form of `gearbench --help`.
+/// The template of `gearbench --help`.
 pub(super) fn template() -> String {
     let commands = Command::augment_subcommands(clap::Command::new("gearbench"));
     let about = |name: &str| {
@@ -132,7 +132,7 @@ fn unknown(topic: &str) -> Refusal {
 mod tests {
     use super::*;
 
-    /// A further command needs its place in a group.
+    /// Every command belongs to exactly one group of the help.
     #[test]
     fn every_command_is_in_one_group() {
         let program = Cli::command();

@@ -7,10 +7,10 @@ use gearbench_reference::data::{Curve, curves};
 use gearbench_reports::measured::MeasuredCurve;
 use std::path::Path;
 
-/// Size of a file that is read at most [bytes].
+/// Largest size of a file [bytes].
 const LARGEST: u64 = 1 << 26;
 
-/// The curves of a file.
+/// Reads the measured curves of a file.
 ///
 /// # Errors
 /// [`Refusal::Input`] with the line at which the file is not a table of measured curves.

@@ -1,5 +1,5 @@
-//! The command line: the table of commands, messages, files and exit codes. What the commands do is the business of
-//! studies and tools.
+//! The command line: table of commands, messages, files and exit codes. The modules of studies and tools implement the
+//! commands.
 
 pub mod answer;
 pub mod arguments;
@@ -38,7 +38,7 @@ use study_command::StudyCommand;
 use terminal::{Manner, Refusal};
 use values::{DEFAULT_MEMORY, gigabytes};
 
-/// What stands at the end of `--help`.
+/// The text after the options of `--help`: examples and exit codes.
 fn after_help() -> String {
     format!(
         "{EXAMPLES}\n\nExit codes:\n{}\n{}",
@@ -66,7 +66,7 @@ Results (--out DIR, default out/SCENE/STUDY/, printed at the end):
 
 `gearbench help scene` describes scene files, `gearbench help limits` what gearbench does not do.";
 
-/// Version and commit.
+/// The version with the commit of the build, as `--version` prints it.
 const VERSION: &str = concat!(
     env!("CARGO_PKG_VERSION"),
     " (commit ",
@@ -133,7 +133,7 @@ pub(crate) enum Command {
 }
 
 impl Command {
-    /// Does it; records say that it was `told` so.
+    /// Runs the command; records store the command line `told`.
     fn run(self, told: &str) -> Result<Answer, Refusal> {
         match self {
             Command::Init(args) => init::run(&args),
@@ -151,7 +151,7 @@ impl Command {
     }
 }
 
-/// Reads the command line, does what it says, and says how that ended.
+/// Parses the command line, runs the command and returns its exit code.
 pub fn main() -> ExitCode {
     if let Err(e) = interruption::catch() {
         terminal::warn(&format!("signals cannot be caught: {e}"));
@@ -163,10 +163,10 @@ pub fn main() -> ExitCode {
 }
 
 impl Cli {
-    /// Reads the words of a command line, the program first.
+    /// Parses the words of a command line, beginning with the program.
     ///
     /// # Errors
-    /// The error names the wrong argument, or carries the help text that was asked for.
+    /// The error names the wrong argument, or contains the requested help text.
     fn read(
         words: impl IntoIterator<Item = impl Into<OsString> + Clone>,
     ) -> Result<Self, clap::Error> {
@@ -181,13 +181,13 @@ impl Cli {
     }
 }
 
-/// The choice of models of a study: labels between commas.
+/// The labels of models that a command line selects, separated by commas.
 fn models(given: &ArgMatches) -> Option<String> {
     let text = |id| given.try_get_one::<String>(id).ok().flatten().cloned();
     text("models").or_else(|| text("model"))
 }
 
-/// The choice of models in the command line of a record; `None` where the line is that of no study.
+/// The selected models in the command line of a record; `None` if the line is not that of a study.
 fn models_of(command_line: &str) -> Option<Option<String>> {
     let words = std::iter::once("gearbench".to_owned()).chain(command_line::split(command_line));
     match Cli::read(words).ok()?.command {
@@ -197,7 +197,7 @@ fn models_of(command_line: &str) -> Option<Option<String>> {
     }
 }
 
-/// Runs the command and says how it ended.
+/// Runs a command and reports how it ended.
 pub fn run(cli: Cli) -> ExitCode {
     terminal::choose(match (cli.json, cli.quiet) {
         (true, _) => Manner::Json,
@@ -214,8 +214,8 @@ pub fn run(cli: Cli) -> ExitCode {
     terminal::end(&told, done)
 }
 
-/// Makes a study again from its record. A record is input from elsewhere: its command has to be the study that the
-/// record is of, and all that the study writes goes into the output folder.
+/// Repeats a study from its record. As a record is external input, its command has to be the study of the record, and
+/// all output of the study goes into the given folder.
 fn again(args: &Rerun) -> Result<Answer, Refusal> {
     let again = rerun::prepare(args)?;
     let shown = again.command();
@@ -252,7 +252,7 @@ fn again(args: &Rerun) -> Result<Answer, Refusal> {
     again.compare(answer)
 }
 
-/// Shows the help that was asked for, or what is wrong with the arguments, in the form of all refusals.
+/// Prints the requested help, or an error in the arguments in the form of all refusals.
 fn refuse(e: &clap::Error) -> ExitCode {
     if !e.use_stderr() {
         terminal::put(e.render().to_string().trim_end());

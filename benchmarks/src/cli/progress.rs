@@ -1,4 +1,4 @@
-//! How far a study is: a bar on a terminal, else a line a minute.
+//! Progress of a study: a bar on a terminal, otherwise one line per minute.
 
 use crate::experiment::parallel::lock;
 use gearbench_reports::escape;
@@ -9,21 +9,21 @@ use std::sync::{Arc, Mutex};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-/// Time between two lines where nobody sees a bar.
+/// Time between two lines of progress without a terminal.
 const EVERY: Duration = Duration::from_secs(60);
 
-/// What is known of a study under way.
+/// Progress of a running study: pieces done, their total number, and the present piece.
 #[derive(Debug, Default)]
 struct Known {
     done: usize,
     total: usize,
     what: String,
-    /// Pieces that were finished before it began: they took no time.
+    /// Number of pieces that were finished before the start; they take no time.
     before: Option<usize>,
 }
 
 impl Known {
-    /// Estimated time to the end, from the pieces that were made.
+    /// Estimated time to the end, from the pieces computed so far.
     fn left(&self, spent: Duration) -> Option<Duration> {
         let made = self.done.checked_sub(self.before?).filter(|n| *n > 0)?;
         let rest = self.total.saturating_sub(self.done);
@@ -43,7 +43,7 @@ impl Known {
     }
 }
 
-/// A time as people say it.
+/// Formats a duration in seconds, minutes and seconds, or hours and minutes.
 fn minutes(time: Duration) -> String {
     match time.as_secs() {
         s @ 0..60 => format!("{s} s"),
@@ -52,7 +52,7 @@ fn minutes(time: Duration) -> String {
     }
 }
 
-/// Shows how far something is until it is dropped.
+/// Displays the progress of a piece of work until it is dropped.
 pub struct Display {
     known: Arc<Mutex<Known>>,
     bar: ProgressBar,
@@ -61,7 +61,7 @@ pub struct Display {
 }
 
 impl Display {
-    /// Begins; a length of 0 is one that nobody knows.
+    /// Starts the display; a length of 0 means that the number of pieces is unknown.
     pub fn new(length: usize) -> Display {
         let terminal = std::io::stderr().is_terminal();
         let known = Arc::new(Mutex::new(Known {
@@ -77,7 +77,7 @@ impl Display {
         }
     }
 
-    /// Takes note of the pieces done, all that are known of, and the name of the next.
+    /// Updates the display: pieces done, their total number so far, and the name of the next piece.
     pub fn tell(&self, done: usize, total: usize, what: &str) {
         let what = &*escape::terminal(what);
         let mut known = lock(&self.known);
@@ -93,12 +93,12 @@ impl Display {
         });
     }
 
-    /// Takes the bar away while something else is written.
+    /// Hides the bar while other output is written.
     pub fn suspend<T>(&self, write: impl FnOnce() -> T) -> T {
         self.bar.suspend(write)
     }
 
-    /// What is being done.
+    /// Shows the name of the present piece of work.
     pub fn message(&self, what: &str) {
         let (done, total) = {
             let known = lock(&self.known);
@@ -119,7 +119,7 @@ impl Drop for Display {
     }
 }
 
-/// A bar on a terminal, nothing otherwise.
+/// Creates a bar on a terminal, and a hidden one otherwise.
 fn progress_bar(length: usize) -> ProgressBar {
     if !std::io::stderr().is_terminal() {
         return ProgressBar::hidden();
@@ -137,7 +137,7 @@ fn progress_bar(length: usize) -> ProgressBar {
     bar
 }
 
-/// A thread that prints a line now and then, until the sender is dropped.
+/// Starts a thread that prints a line at intervals, until the sender is dropped.
 fn ticker(known: &Arc<Mutex<Known>>, begin: Instant) -> (Sender<()>, JoinHandle<()>) {
     let (stop, stopped) = channel::<()>();
     let known = known.clone();

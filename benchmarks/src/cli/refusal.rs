@@ -1,4 +1,4 @@
-//! Why a command ends without doing its work, and how that comes of the errors below it.
+//! Refusals: reasons why a command ends without result, and their exit codes.
 
 use super::exit::Exit;
 use crate::experiment::error::StudyError;
@@ -7,21 +7,21 @@ use crate::scene_file::{SceneError, SceneFile};
 use gearbench_reference::statics::StaticsError;
 use miette::Report;
 
-/// Why a command ended without doing its work.
+/// Reason why a command ended without result.
 #[derive(Debug)]
 pub enum Refusal {
-    /// The input is wrong.
+    /// The input of the command is wrong.
     Input(Report),
-    /// Files could not be written or read.
+    /// Files could not be read or written.
     Files(String),
-    /// Something that was asked for could not be computed.
+    /// A requested computation failed.
     Failed(String),
-    /// The user ended it before there was anything to report.
+    /// The user interrupted the command before there was a result.
     Interrupted,
 }
 
 impl Refusal {
-    /// How the command ends, and what it says.
+    /// The exit code and the message of the refusal.
     pub fn told(self) -> (Exit, Report) {
         match self {
             Refusal::Input(report) => (Exit::BadInput, report),
@@ -44,7 +44,7 @@ impl From<SceneError> for Refusal {
     }
 }
 
-/// Why a run could not start, for the user.
+/// Converts the error of a run to a refusal.
 pub fn refuse_run(e: RunError) -> Refusal {
     match e {
         RunError::Build(e) => Refusal::Input(miette::miette!("{e}")),
@@ -61,7 +61,7 @@ pub fn refuse_run(e: RunError) -> Refusal {
     }
 }
 
-/// Why a study ended, for the user: an error of assembly at its line of the scene.
+/// Converts the error of a study to a refusal; an error of assembly names its line in the scene.
 pub fn refuse_study(scene: &SceneFile, e: StudyError) -> Refusal {
     match e {
         StudyError::Run(e) => refuse_run(e),

@@ -1,4 +1,4 @@
-//! The commands that run a study: the one list of studies on the command line.
+//! The list of commands that run a study.
 //!
 //! Each writes one folder. `rerun` makes a study again from this list, and from nothing else.
 
@@ -64,7 +64,7 @@ impl Default for StudyCommand {
 }
 
 impl StudyCommand {
-    /// Runs the study; the record keeps the command line.
+    /// Runs the study; its record stores the command line.
     pub(super) fn run(&self, command_line: &str) -> Result<Answer, Refusal> {
         match self {
             StudyCommand::Compare(args) => compare::command::run(args, command_line),
@@ -84,7 +84,7 @@ impl StudyCommand {
         }
     }
 
-    /// Where the study writes to.
+    /// The output options of the study.
     pub(super) fn output(&mut self) -> &mut Output {
         match self {
             StudyCommand::Compare(args) => &mut args.run.bounded.output,
@@ -105,7 +105,7 @@ impl StudyCommand {
     }
 
     /// Returns the study with all of its output in one folder. Options that write elsewhere (a baseline, a calibration,
-    /// the scene) are left out, and so is what overwrites the work of others.
+    /// the scene) or allow overwriting are removed.
     pub(super) fn confined_to(mut self, folder: PathBuf) -> Self {
         match &mut self {
             StudyCommand::Identify(args) => args.write = None,

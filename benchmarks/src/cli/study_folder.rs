@@ -1,5 +1,5 @@
-//! The folder of a study: locked and tried before the first run, with the journal of what is finished, and at the end the
-//! record.
+//! The output folder of a study: locked and tested before the first run, with a journal of finished pieces, and finally
+//! with the record.
 //!
 //! A folder belongs to one study of one scene with one choice of models. The same command works there again and again,
 //! also after the scene was edited. Another one is refused before it computes anything, unless it comes with `--force`.
@@ -26,31 +26,31 @@ use serde::Deserialize;
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// The setting that says that a study is not complete.
+/// Name of the setting that marks an incomplete study.
 const INTERRUPTED_STUDY: &str = "interrupted";
-/// Files by which the folder of a study is known.
+/// Files that identify the folder of a study.
 const OWN: [&str; 2] = [RECORD, JOURNAL];
-/// Endings of files that a study writes.
+/// Extensions of files that a study writes.
 const ENDINGS: [&str; 3] = ["csv", "svg", "html"];
 
-/// The setting that says which models cannot run, and why.
+/// Name of the setting that lists models that cannot run, with reasons.
 const REFUSED_MODEL: &str = "refused";
 
-/// The folder of a study.
+/// The output folder of a study while the study runs.
 pub struct StudyFolder {
     path: PathBuf,
     journal: Option<Journal>,
-    /// The outermost folder that was made for it.
+    /// The outermost folder that was created for this study.
     made: Option<PathBuf>,
-    /// What the record will be made of.
+    /// The scene, calibrations and input files that the record will contain.
     source: Option<Source>,
-    /// Measured curves to compare its tables with.
+    /// Measured curves that the tables are compared with.
     measured: Vec<MeasuredCurve>,
     /// Rows of models that cannot run the scene.
     refused: Vec<Run>,
-    /// The journal in the folder is that of this study.
+    /// True if the journal in the folder belongs to this study.
     has_journal: bool,
-    /// Held until the folder is done with.
+    /// The lock of the folder, held until the study ends.
     lock: Option<FolderLock>,
 }
 
@@ -61,8 +61,8 @@ impl From<JournalError> for Refusal {
 }
 
 impl StudyFolder {
-    /// Makes sure that the folder can be written to and belongs to this study, takes up what an interrupted start has left
-    /// in it, and lets signals end the study in good order from here on.
+    /// Opens the folder of a study: checks that it is writable and belongs to this study, loads the journal of an
+    /// interrupted start, and defers signals from here on.
     ///
     /// # Errors
     /// [`Refusal::Files`] when the folder, or the journal in it, cannot be written; [`Refusal::Input`] when another process
@@ -71,10 +71,10 @@ impl StudyFolder {
         Self::begin(output, (scene, study), None)
     }
 
-    /// The folder of a study of a scene, which the record will keep.
+    /// Opens the folder of a study of a scene, which becomes part of the record.
     ///
     /// # Errors
-    /// Those of [`StudyFolder::open`], and [`Refusal::Input`] when files that the scene reads are among the results.
+    /// As [`StudyFolder::open`], and [`Refusal::Input`] when files that the scene reads are among the results.
     pub fn of(output: &Output, scene: &SceneFile, study: &str) -> Result<Self, Refusal> {
         Self::begin(output, (&scene.name, study), Some(scene))
     }
@@ -131,24 +131,24 @@ impl StudyFolder {
         Ok(folder)
     }
 
-    /// Adds the row of a model that turned out not to run while the study ran, and has no row among its results.
+    /// Adds a row for a model that failed to assemble during the study and has no row among the results.
     pub fn add_refused(&mut self, row: Run) {
         self.refused.push(row);
     }
 
-    /// Where it is.
+    /// The path of the folder.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// Does a study of some known number of runs.
+    /// Runs a study of `length` runs with a display of its progress; 0 if the number is unknown.
     pub fn run<T>(&mut self, length: usize, study: impl FnOnce(&Runner<'_>) -> T) -> T {
         let display = Display::new(length);
         let progress = |done, total, what: &str| display.tell(done, total, what);
         study(&self.runner(&progress))
     }
 
-    /// Does a study of some known number of runs within a budget.
+    /// Runs a study of `length` runs within a budget of processor time.
     pub fn run_within<T>(
         &mut self,
         budget: Budget,
@@ -160,7 +160,7 @@ impl StudyFolder {
         study(&self.runner(&progress).within(budget))
     }
 
-    /// What does the pieces of the study, once: it has the journal.
+    /// Creates the runner of the pieces of the study. The first call hands the journal over to it.
     pub fn runner<'a>(&mut self, progress: Progress<'a>) -> Runner<'a> {
         match self.journal.take() {
             Some(journal) => Runner::new(journal, progress).announcing(&|pieces| {
@@ -172,8 +172,8 @@ impl StudyFolder {
         }
     }
 
-    /// The refusal of a study that was interrupted before there was anything to report; the pieces that are finished are
-    /// kept for the next start.
+    /// The refusal for a study that was interrupted before there was a result; finished pieces are kept for the next
+    /// start.
     pub fn interrupted(&self) -> Refusal {
         let pieces = pieces(&self.path.join(JOURNAL));
         if pieces > 0 {
@@ -184,8 +184,8 @@ impl StudyFolder {
         Refusal::Interrupted
     }
 
-    /// Writes the record with its report, prints its summary and where everything lies, and answers with it. Runs that an
-    /// interruption kept from being made are left out, and the journal stays for the next start.
+    /// Writes the record with its report, prints its summary and the paths of the files, and returns the result of the
+    /// command. Runs that an interruption prevented are left out, and the journal stays for the next start.
     ///
     /// # Errors
     /// [`Refusal::Files`] when a file cannot be written, [`Refusal::Interrupted`] when there is nothing to report.
@@ -255,7 +255,7 @@ impl StudyFolder {
         }))
     }
 
-    /// Passes a refusal on; of bad input nothing stays behind.
+    /// Returns a refusal; after bad input it removes the journal, as nothing is worth continuing.
     pub fn refuse(&self, refusal: Refusal) -> Refusal {
         if let Refusal::Input(_) = refusal {
             self.close();
@@ -263,7 +263,7 @@ impl StudyFolder {
         refusal
     }
 
-    /// The end of a study: its journal has served, unless it was interrupted.
+    /// Ends the study: removes the journal, unless the study was interrupted.
     pub fn close(&self) {
         if !interruption::requested() {
             // A journal that cannot be removed is taken up by the next start, with the same results.
@@ -272,7 +272,7 @@ impl StudyFolder {
     }
 }
 
-/// The refusal of a study none of whose models can run, with their reasons.
+/// The refusal of a study in which no model can run, with the reasons.
 fn none_can_run(rows: &[Run]) -> Refusal {
     let mut reasons: Vec<String> = Vec::new();
     for row in rows {
@@ -289,7 +289,7 @@ fn none_can_run(rows: &[Run]) -> Refusal {
     ))
 }
 
-/// The damping of the mesh mode of each model, and a warning where models differ in it.
+/// Prints the damping of the mesh mode of each model, and a warning if models differ in it.
 fn describe_mesh_modes(results: &Results) {
     for mode in &results.mesh_modes {
         say(&format!("mesh mode of {}: {}", mode.label, mode.to_text()));
@@ -300,7 +300,7 @@ fn describe_mesh_modes(results: &Results) {
 }
 
 impl Drop for StudyFolder {
-    /// A study that came to nothing leaves nothing behind.
+    /// Removes a journal without finished pieces, and the folders that were created for the study if they are empty.
     fn drop(&mut self) {
         let journal = self.path.join(JOURNAL);
         // The journal of somebody else is none of this study.
@@ -318,7 +318,7 @@ impl Drop for StudyFolder {
     }
 }
 
-/// Finished pieces of a journal: its lines but the first.
+/// Number of finished pieces in a journal: its lines without the first.
 fn pieces(journal: &Path) -> usize {
     use std::io::{BufRead, BufReader};
     let file = std::fs::File::open(journal).ok().map(BufReader::new);
@@ -326,7 +326,7 @@ fn pieces(journal: &Path) -> usize {
     lines.saturating_sub(1)
 }
 
-/// Counts the results of a record other than runs, which an interrupted study reports too.
+/// Number of results of a record apart from runs; an interrupted study reports them too.
 fn parts(part: &Part) -> usize {
     match part {
         Part::Stability(part) => part.maps.len(),
@@ -338,15 +338,15 @@ fn parts(part: &Part) -> usize {
     }
 }
 
-/// Labels between commas in alphabetical order.
+/// Sorts labels, separated by commas, alphabetically.
 fn in_order(labels: &str) -> String {
     let mut all: Vec<&str> = labels.split(',').map(str::trim).collect();
     all.sort_unstable();
     all.join(",")
 }
 
-/// Removes the staging folders of processes that were killed while they wrote the record: the lock is ours, and so they are
-/// nobody's.
+/// Removes staging folders of processes that were killed while they wrote the record; the lock of this process excludes
+/// other writers.
 pub(crate) fn remove_staging(folder: &Path) {
     for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
         let name = entry.file_name().to_string_lossy().into_owned();
@@ -362,7 +362,7 @@ pub(crate) fn remove_staging(folder: &Path) {
     }
 }
 
-/// Refuses an output folder in which an input lies that could be taken for a result.
+/// Refuses an output folder that contains an input that could be mistaken for a result.
 fn refuse_input(folder: &Path, input: &Path) -> Result<(), Refusal> {
     let ending = input
         .extension()
@@ -381,7 +381,7 @@ fn refuse_input(folder: &Path, input: &Path) -> Result<(), Refusal> {
     )))
 }
 
-/// Header of a record: the study, scene and command that made it.
+/// Header of an existing record: study, scene and command.
 #[derive(Deserialize)]
 struct Kept {
     schema: u32,
@@ -398,7 +398,7 @@ struct KeptSource {
     scene: String,
 }
 
-/// Refuses a folder that holds the results of another study, or files of another program.
+/// Refuses a folder that contains the results of another study or files of another program.
 fn belongs_to(
     folder: &Path,
     (name, subject): (&str, &Subject),
@@ -458,7 +458,7 @@ fn belongs_to(
     ))
 }
 
-/// A file with the ending of one that a study writes.
+/// Returns a file whose extension is one that a study writes.
 fn first_result(folder: &Path) -> Option<String> {
     let names = std::fs::read_dir(folder).into_iter().flatten().flatten();
     let mut names: Vec<String> = (names.filter(|e| e.file_type().is_ok_and(|t| !t.is_dir())))

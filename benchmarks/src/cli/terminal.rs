@@ -1,9 +1,9 @@
-//! The terminal: the one writer to standard output and standard error, and what commands share of it.
+//! The only writer to standard output and standard error, with functions that commands share.
 //!
-//! Standard output has the answer: lines for people, or one JSON object (`--json`), or nothing (`--quiet`). Standard error
-//! has refusals, warnings and progress. A reader that goes away (`gearbench list | head -1`) ends the output and not the
-//! command, whose files and exit code are those of a whole one. A full disk behind standard output is an error, and so is an
-//! object that nobody can read.
+//! Standard output contains the result: lines of text, or one JSON object (`--json`), or nothing (`--quiet`). Standard
+//! error contains refusals, warnings and progress. A closed pipe (`gearbench list | head -1`) ends the output but not
+//! the command, whose files and exit code stay the same. A full disk behind standard output is an error, and so is a
+//! JSON object that cannot be written.
 
 use super::answer::{self, Answer};
 use super::arguments::Insist;
@@ -20,43 +20,43 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::{Mutex, OnceLock};
 
-/// For whom standard output is.
+/// Form of the output: text, nothing, or JSON.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Manner {
-    /// Lines for people.
+    /// Lines of text for a human reader.
     #[default]
     Lines,
-    /// Nothing: files, warnings and the exit code are enough.
+    /// No output: files, warnings and the exit code only.
     Quiet,
-    /// One JSON object.
+    /// One JSON object for a program.
     Json,
 }
 
-/// Chosen once, before the first line.
+/// The form of the output, chosen once before the first line.
 static MANNER: OnceLock<Manner> = OnceLock::new();
-/// The first write that failed: nothing is written after it.
+/// The first write error; nothing is written after it.
 static FAILED: Mutex<Option<io::Error>> = Mutex::new(None);
-/// Warnings, for the JSON object.
+/// Warnings so far, for the JSON object.
 static WARNINGS: Mutex<Vec<String>> = Mutex::new(Vec::new());
 
-/// Chooses for whom standard output is; the first choice stands.
+/// Chooses the form of the output; later calls have no effect.
 pub fn choose(manner: Manner) {
     let _ = MANNER.set(manner);
 }
 
-/// For whom standard output is.
+/// The chosen form of the output.
 pub fn manner() -> Manner {
     MANNER.get().copied().unwrap_or_default()
 }
 
-/// A line for people on standard output, as [`escape::terminal`] shows it.
+/// Prints a line of text to standard output, escaped by [`escape::terminal`]; without effect for JSON and quiet output.
 pub fn say(text: &str) {
     if manner() == Manner::Lines {
         put(&escape::terminal(text));
     }
 }
 
-/// A text on standard output, whoever reads it: what a command is asked to print.
+/// Prints text to standard output in every form of output.
 pub fn put(text: &str) {
     let Ok(mut failed) = FAILED.lock() else {
         return;
@@ -67,15 +67,15 @@ pub fn put(text: &str) {
     }
 }
 
-/// Takes note of a failure to write, unless there was one before.
+/// Stores the first write error.
 fn fail(e: io::Error) {
     if let Ok(mut failed) = FAILED.lock() {
         failed.get_or_insert(e);
     }
 }
 
-/// Whether standard output was closed when the program began. The runtime then opens the null device for reading and writing
-/// in its place, which a redirection of an output does not.
+/// True if standard output was closed when the program began. The runtime then opens the null device for reading and
+/// writing in its place, which a redirection of an output does not.
 fn nobody_reads() -> bool {
     let null = std::fs::read_link("/proc/self/fd/1").is_ok_and(|to| to.as_os_str() == "/dev/null");
     let info = std::fs::read_to_string("/proc/self/fdinfo/1").unwrap_or_default();
@@ -85,7 +85,7 @@ fn nobody_reads() -> bool {
     null && flags.is_some_and(|f| f & 0o3 == BOTH)
 }
 
-/// What is odd though not wrong, on standard error or among the warnings of the JSON object; once each.
+/// Prints a warning to standard error, or adds it to the warnings of the JSON object; each text once.
 pub fn warn(text: &str) {
     let Ok(mut warnings) = WARNINGS.lock() else {
         return;
@@ -99,17 +99,17 @@ pub fn warn(text: &str) {
     }
 }
 
-/// A line for people on standard error, as [`escape::terminal`] shows it.
+/// Prints a line of text to standard error, escaped by [`escape::terminal`].
 pub fn say_error(text: &str) {
     put_error(&escape::terminal(text));
 }
 
-/// A text on standard error; one that cannot be written has no other place.
+/// Writes text to standard error; write errors are ignored.
 fn put_error(text: &str) {
     let _ = writeln!(io::stderr(), "{text}");
 }
 
-/// Says how a command ended.
+/// Reports the result of a command and returns its exit code.
 pub fn end(command: &str, result: Result<Answer, Refusal>) -> ExitCode {
     if let Some(why) = gearbench_reference::reduction::cache::trouble() {
         warn(&format!(
@@ -150,7 +150,7 @@ pub fn end(command: &str, result: Result<Answer, Refusal>) -> ExitCode {
     }
 }
 
-/// Says on standard error why a command did not do its work.
+/// Prints an error to standard error.
 pub(super) fn complain(command: &str, exit: Exit, report: &Report, warnings: Vec<String>) {
     match manner() {
         Manner::Json => {
@@ -162,12 +162,13 @@ pub(super) fn complain(command: &str, exit: Exit, report: &Report, warnings: Vec
     }
 }
 
-/// A path that holds wherever it is pasted.
+/// Converts a path to an absolute one.
 pub fn absolute(path: PathBuf) -> PathBuf {
     path.canonicalize().unwrap_or(path)
 }
 
-/// All references of a scene, also those of other speeds and loads; each has to be of its gears unless the user insists.
+/// Reads all references of a scene, also those at other speeds and loads; each must belong to its gears unless the user
+/// insists.
 ///
 /// # Errors
 /// A refusal at the line of the scene, or of the file with the data.
@@ -178,7 +179,7 @@ pub fn all_references_of(scene: &mut SceneFile, insist: &Insist) -> Result<Vec<H
     Ok(references)
 }
 
-/// The references that models of the scene are held against, those of its own conditions.
+/// Reads the references under the conditions of the scene itself, which its models are compared with.
 ///
 /// # Errors
 /// As [`all_references_of`].

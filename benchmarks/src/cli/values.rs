@@ -1,28 +1,27 @@
-//! Values that several commands take, and what they are when nobody says.
+//! Parsers and default values of options that several commands share.
 
 use gearbench_integrators::scheme::seconds;
 use gearbench_reports::Metric;
 
-/// The scene that is compared when none is named.
+/// The scene of a comparison without scene argument.
 pub const DEFAULT_SCENE: &str = "spur_impact";
-/// Timed repeats when the command line does not say.
+/// Default number of timed repeats.
 pub const DEFAULT_REPEATS: u32 = 3;
 
-/// Bound on the processor time of one integration [s] when the command line does not say.
+/// Default bound on the processor time of one integration [s].
 pub const DEFAULT_TIMEOUT: f64 = 30.0;
-/// Processor time that a whole study may take [s] when the command line does not say, where it tries one thing after the
-/// other: ten minutes.
+/// Default budget of processor time of a study [s].
 pub const DEFAULT_BUDGET: f64 = 600.0;
-/// Memory that a command may take [GB] when the command line does not say.
+/// Default bound on the memory of a command [GB].
 pub const DEFAULT_MEMORY: f64 = 2.0;
 
-/// A number that something holds of.
+/// Parses a number that fulfils a condition.
 pub fn number(text: &str, holds: impl Fn(&f64) -> bool, expected: &str) -> Result<f64, String> {
     let x = text.trim().parse().ok();
     x.filter(holds).ok_or_else(|| expected.to_owned())
 }
 
-/// A positive number of seconds.
+/// Parses a positive number of seconds.
 pub fn positive(text: &str) -> Result<f64, String> {
     let holds = |x: &f64| *x > 0.0 && *x <= 1e6;
     number(
@@ -32,7 +31,7 @@ pub fn positive(text: &str) -> Result<f64, String> {
     )
 }
 
-/// A positive time with a unit, or in seconds.
+/// Parses a positive time with a unit, or in seconds.
 pub fn time(text: &str) -> Result<f64, String> {
     let value = text.trim().parse().ok().or_else(|| seconds(text));
     match value {
@@ -41,15 +40,15 @@ pub fn time(text: &str) -> Result<f64, String> {
     }
 }
 
-/// A number of gigabytes.
+/// Parses a positive number of gigabytes.
 pub fn gigabytes(text: &str) -> Result<f64, String> {
     let holds = |x: &f64| *x > 0.0 && *x <= 1e6;
     number(text, holds, "expected a positive number of gigabytes")
 }
 
-/// Load over the width [N/mm] when the command line does not say.
+/// Default load per face width [N/mm].
 pub const DEFAULT_LOAD: f64 = 300.0;
-/// A torque that loads a pair of gears [N m]: the flank of the start carries it, whatever its sense.
+/// Parses a torque that loads a pair of gears [N m]. Either sign loads the flank in contact at the start.
 pub fn torque(text: &str) -> Result<f64, String> {
     let holds = |x: &f64| *x != 0.0 && x.abs() <= 1e9;
     number(
@@ -59,22 +58,22 @@ pub fn torque(text: &str) -> Result<f64, String> {
     )
 }
 
-/// Positions over a base pitch when the command line does not say.
+/// Default number of positions over a base pitch.
 pub const DEFAULT_POSITIONS: usize = 24;
 
-/// A positive number.
+/// Parses a positive load of at most 1e9, in the unit of its option.
 pub fn positive_load(text: &str) -> Result<f64, String> {
     let holds = |x: &f64| *x > 0.0 && *x <= 1e9;
     number(text, holds, "expected a positive number, at most 1e9")
 }
 
-/// Positions over a base pitch.
+/// Parses a number of positions over a base pitch.
 pub fn positions(text: &str) -> Result<usize, String> {
     let n = text.parse().ok().filter(|n| (2..=2000).contains(n));
     n.ok_or_else(|| "expected a whole number from 2 to 2000".into())
 }
 
-/// A relative error, by its name on the command line or by its key in records.
+/// Parses a metric by its name on the command line or its key in records.
 pub fn metric(text: &str) -> Result<Metric, String> {
     let found = text.trim().parse::<Metric>().ok();
     found.filter(|m| m.is_error()).ok_or_else(|| {
@@ -86,7 +85,7 @@ pub fn metric(text: &str) -> Result<Metric, String> {
     })
 }
 
-/// A frequency [Hz].
+/// Parses a frequency [Hz].
 pub fn frequency(text: &str) -> Result<f64, String> {
     number(
         text,

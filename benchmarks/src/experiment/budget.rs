@@ -1,13 +1,13 @@
-//! The processor time that a whole study may take.
+//! Budget of processor time for a whole study.
 //!
-//! All threads of the process count, set-up included: meshes and modes are computed on several threads. A study asks
-//! before each piece whether there is time left; what it does not try is named in its record, and its answer is of what
-//! was tried. What an earlier start has finished costs nothing.
+//! All threads of the process count, including set-up: meshes and modes are computed on several threads. A study checks
+//! the remaining time before each piece; its record names the pieces that were left out, and its result is that of the
+//! others. Pieces that an earlier start finished cost nothing.
 
 use gearbench_integrators::clock::processor_time_of_all_threads;
 use std::time::{Duration, Instant};
 
-/// The setting that names what a study did not try.
+/// Name of the setting that lists omitted work of a study.
 pub const NOT_TRIED: &str = "not tried within the budget";
 
 /// A clock of the processor time of all threads; of wall time where the system reports no processor time.
@@ -18,7 +18,7 @@ pub struct ProcessorClock {
 }
 
 impl ProcessorClock {
-    /// A clock that starts now.
+    /// Starts a clock at the present time.
     pub fn start() -> ProcessorClock {
         ProcessorClock {
             processor: processor_time_of_all_threads(),
@@ -26,7 +26,7 @@ impl ProcessorClock {
         }
     }
 
-    /// Time since the start.
+    /// Time since the start of the clock.
     pub fn elapsed(&self) -> Duration {
         match (self.processor, processor_time_of_all_threads()) {
             (Some(from), Some(now)) => now.saturating_sub(from),
@@ -43,7 +43,7 @@ pub struct Budget {
 }
 
 impl Budget {
-    /// A bound that begins now.
+    /// A bound that counts from now.
     pub fn new(limit: Duration) -> Budget {
         Budget {
             limit,
@@ -51,22 +51,22 @@ impl Budget {
         }
     }
 
-    /// No bound.
+    /// A budget without a bound.
     pub fn unlimited() -> Budget {
         Budget::new(Duration::MAX)
     }
 
-    /// Time that is left.
+    /// Remaining time; zero when the budget is spent.
     pub fn left(&self) -> Duration {
         self.limit.saturating_sub(self.clock.elapsed())
     }
 
-    /// Whether nothing more may begin.
+    /// True if no time is left, so that no further piece may begin.
     pub fn is_spent(&self) -> bool {
         self.left().is_zero()
     }
 
-    /// The bound, in words.
+    /// The budget in words.
     pub fn described(&self) -> String {
         format!(
             "{} s of processor time (--budget)",

@@ -1,4 +1,4 @@
-//! What all runs of a study share, and what heads its record.
+//! Conditions that all runs of a study share, and the header of its record.
 
 use super::machine;
 use super::run::{Job, NO_BOUND};
@@ -11,49 +11,49 @@ use gearbench_reference::data::{Channel, Quantity, Reference};
 use gearbench_reports::record::{Part, Results};
 use std::time::Duration;
 
-/// What all runs of a study share.
+/// Conditions that all runs of a study share: duration, sampling, event location, bounds of time and steps.
 #[derive(Clone, Debug)]
 pub struct Conditions<'a> {
     /// Name of the scene.
     pub name: String,
-    /// One line for the reader.
+    /// Title of the study in one line.
     pub title: String,
-    /// Command that makes the record again.
+    /// Command line that reproduces the record.
     pub command: String,
-    /// Settings to show.
+    /// Name and value of each setting that the report lists.
     pub settings: Vec<(String, String)>,
-    /// Table of models.
+    /// The table of gear models.
     pub models: &'a [Model],
-    /// End [s].
+    /// End of the simulated time [s].
     pub duration: f64,
-    /// Samples of the histories over the duration.
+    /// Number of samples of the histories over the duration.
     pub samples: usize,
-    /// Record torques, and transmission errors of further meshes ([`Conditions::held_against`]).
+    /// True if torques and further transmission errors are recorded ([`Conditions::held_against`]).
     pub torques: bool,
-    /// Locate events.
+    /// True if contact events are located.
     pub events: bool,
-    /// Timed repeats.
+    /// Number of timed repeats of each run.
     pub repeats: u32,
-    /// Bound on the processor time of one integration, recording excluded.
+    /// Bound on the processor time of one integration, without recording.
     pub timeout: Duration,
-    /// Bound on its steps.
+    /// Bound on the number of steps of one integration.
     pub max_steps: u64,
 }
 
-/// Told the runs done, all that are known of, and the name of the next.
+/// Progress callback: number of runs done, their total number so far, and the name of the next run.
 pub type Progress<'a> = &'a (dyn Fn(usize, usize, &str) + Sync);
 
-/// Tells nobody.
+/// Progress callback without output.
 pub fn silent(_: usize, _: usize, _: &str) {}
 
-/// Even times from zero to an end [s].
+/// Equidistant times from zero to an end [s].
 pub fn even(samples: usize, end: f64) -> Vec<f64> {
     let n = samples.max(2) - 1;
     (0..=n).map(|i| end * i as f64 / n as f64).collect()
 }
 
 impl Conditions<'static> {
-    /// Those of a scene: one timed repeat, no bound of time.
+    /// The conditions of a scene: one timed repeat, no bound on processor time or steps.
     pub fn of(scene: &SceneFile) -> Self {
         Conditions {
             name: scene.name.clone(),
@@ -73,7 +73,7 @@ impl Conditions<'static> {
 }
 
 impl Conditions<'_> {
-    /// The same for runs that are held against references: what these have is recorded.
+    /// Also records the torques and further transmission errors that some reference contains, for comparison with it.
     #[must_use]
     pub fn held_against<'r>(mut self, references: impl IntoIterator<Item = &'r Reference>) -> Self {
         let beside = |c: &Channel| match c.quantity {
@@ -86,12 +86,12 @@ impl Conditions<'_> {
         self
     }
 
-    /// Even times of the histories [s].
+    /// Equidistant sampling times of the histories [s].
     pub fn grid(&self) -> Vec<f64> {
         even(self.samples, self.duration)
     }
 
-    /// A run under these conditions.
+    /// The job of one run under these conditions.
     pub fn job<'j>(
         &'j self,
         (scene, modelling): (&'j SceneSpec, &'j Modelling),
@@ -117,7 +117,7 @@ impl Conditions<'_> {
         }
     }
 
-    /// The record of a study with its own part, so far without what it found.
+    /// The record of a study with its own part, without results yet.
     pub fn record(&self, part: Part) -> Results {
         Results {
             header: machine::header(&self.name, &self.title, &self.command),

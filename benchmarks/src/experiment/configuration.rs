@@ -1,35 +1,35 @@
-//! What is run: a model of a scene with its parameters.
+//! A configuration to run: one model of a scene with its parameters.
 
 use crate::scene_file::{ModelChoice, SceneFile};
 use gearbench_integrators::Scheme;
 use gearbench_models::spec::{Modelling, SceneSpec};
 use gearbench_reports::record::{Run, Status};
 
-/// What is run: a model with its scene (a calibration may place the gears its own way).
+/// A configuration to run: one model with its scene (a calibration may change the initial gap).
 #[derive(Clone, Debug)]
 pub struct Configuration {
-    /// Name in records and on the command line.
+    /// Label in records and on the command line.
     pub label: String,
-    /// Model id of the record: that of the gears, or `mixed`.
+    /// Model id in records: the model of the gears, or `mixed`.
     pub model: String,
-    /// Calibration it takes its constants from.
+    /// Name of the calibration that supplies the constants.
     pub calibration: Option<String>,
-    /// Id in records of the reference to whose history its constants were fitted, where that is the scene's own.
+    /// Id of the scene's own reference to whose history the constants were fitted.
     pub fitted_to: Option<String>,
-    /// The scene.
+    /// The scene, with the changes of this model.
     pub scene: SceneSpec,
-    /// Its models.
+    /// Models of gears and contacts.
     pub modelling: Modelling,
-    /// Its integrators, where they are not those of the plan.
+    /// Integrators of this model, where they differ from those of the study.
     pub methods: Option<Vec<Scheme>>,
-    /// Time that others publish for such a model [s].
+    /// Published computing time of such a model [s].
     pub published: Option<f64>,
-    /// That time follows from other published numbers.
+    /// True if the published time is derived from other published numbers.
     pub published_derived: bool,
 }
 
 impl Configuration {
-    /// A model of a scene.
+    /// The configuration of a model in its scene.
     pub fn of(scene: &SceneFile, choice: &ModelChoice) -> Configuration {
         Configuration {
             label: choice.label.clone(),
@@ -44,24 +44,24 @@ impl Configuration {
         }
     }
 
-    /// What sets it apart from others of its model.
+    /// The part of the label that distinguishes this configuration from others of the same model.
     pub fn variant(&self) -> Option<String> {
         Run::called(&self.label, &self.model).variant
     }
 
-    /// What reports call its runs.
+    /// The label of the model in reports.
     pub fn model_label(&self) -> String {
         Run::called(&self.label, &self.model).model_label()
     }
 
-    /// The row of a model that cannot run.
+    /// The row of the record if this model cannot run.
     pub fn refused(&self, why: String) -> Run {
         let mut row = refused(&self.label, &self.model, why);
         self.sign(&mut row);
         row
     }
 
-    /// Says in a row of the record what was run.
+    /// Writes label, model and calibration to a row of the record.
     pub fn sign(&self, row: &mut Run) {
         row.model.clone_from(&self.model);
         row.variant = self.variant();
@@ -70,10 +70,10 @@ impl Configuration {
     }
 }
 
-/// What stands for the integrator of a model that was not run.
+/// The integrator that a record states for a model that was not run.
 const NO_METHOD: &str = "none";
 
-/// The row of a model with a label that cannot run: it has no method and no numbers.
+/// The row of a model that cannot run: without method and numbers.
 pub fn refused(label: &str, model: &str, why: String) -> Run {
     Run {
         integrator: NO_METHOD.into(),

@@ -1,26 +1,27 @@
-//! Tooth pairs in contact on the grid of a run, and contacts that close and open with the force on both sides.
+//! Log of contacts: tooth pairs in contact at the sampling times, and openings and closings with the force on both
+//! sides.
 
 use gearbench_integrators::{MemberContact, Outputs, SecondOrderSystem, State};
 use gearbench_models::scene::{OfMesh, Scene};
 use gearbench_models::spec::{Body, SceneSpec};
 use gearbench_reports::histories::{ContactEvent, PairSample, SprungTooth};
 
-/// Records contacts of a run.
+/// Records the contacts of a run.
 #[derive(Clone, Debug, Default)]
 pub struct ContactLog {
     /// Numbers of teeth of both gears of each mesh.
     teeth: Vec<[i64; 2]>,
     /// Channels of the mesh forces.
     forces: Vec<usize>,
-    /// Pairs that touch at times of the grid.
+    /// Tooth pairs in contact at the sampling times.
     pub pairs: Vec<PairSample>,
-    /// Contacts that close and open.
+    /// Openings and closings of contacts.
     pub events: Vec<ContactEvent>,
-    /// Teeth on springs of their own that touch, at times of the rows of a history: time [s], gear, tooth.
+    /// Spring-mounted teeth in contact at the times of a history: time [s], gear, tooth.
     pub sprung: Vec<(f64, usize, SprungTooth)>,
-    /// Gears of each mesh, of a scene that has such teeth; else nothing.
+    /// Gears of each mesh if the scene has spring-mounted teeth, else empty.
     sprung_meshes: Vec<[usize; 2]>,
-    /// Forces of the meshes at the last time of the grid.
+    /// Forces of the meshes at the last sampling time [N].
     last_forces: Vec<f64>,
     last: Vec<MemberContact>,
     now: Vec<MemberContact>,
@@ -28,7 +29,7 @@ pub struct ContactLog {
     out: Outputs,
 }
 
-/// The teeth of a contact that move on springs of their own.
+/// The spring-mounted teeth of a contact.
 fn sprung_teeth(touch: &MemberContact) -> [Option<SprungTooth>; 2] {
     touch.sprung.map(|tooth| {
         tooth.map(|t| SprungTooth {
@@ -41,7 +42,7 @@ fn sprung_teeth(touch: &MemberContact) -> [Option<SprungTooth>; 2] {
 }
 
 impl ContactLog {
-    /// Of a scene.
+    /// An empty log for the meshes of a scene.
     pub fn new(spec: &SceneSpec, scene: &Scene) -> Self {
         let count = |i: usize| match &spec.gears[i].body {
             Body::Gear(g) => i64::from(g.teeth()),
@@ -58,7 +59,7 @@ impl ContactLog {
         }
     }
 
-    /// Teeth of a contact, counted from 1 within each gear.
+    /// Tooth numbers of a contact, counted from 1 within each gear.
     fn numbers(&self, touch: &MemberContact) -> [i64; 2] {
         let teeth = self.teeth[touch.group];
         [0, 1].map(|k| touch.members[k].rem_euclid(teeth[k]) + 1)
@@ -68,7 +69,8 @@ impl ContactLog {
         self.forces.iter().map(|&c| channels[c]).collect()
     }
 
-    /// At a time of the grid that was just reported of, with its channels; without located events what changed since the last one is an event.
+    /// Records the contacts at a sampling time. Without located events, changes since the last sampling time are
+    /// recorded as events.
     pub fn on_grid(
         &mut self,
         sys: &mut dyn SecondOrderSystem,
@@ -101,7 +103,7 @@ impl ContactLog {
         self.now = now;
     }
 
-    /// At a row of a history.
+    /// Records spring-mounted teeth in contact at a row of a history.
     pub fn at_row(&mut self, sys: &mut dyn SecondOrderSystem, s: &State) {
         if self.sprung_meshes.is_empty() {
             return;
@@ -119,7 +121,7 @@ impl ContactLog {
         self.touches = touches;
     }
 
-    /// The state was switched at one instant.
+    /// Records the events of an instant at which the contact state was switched.
     pub fn switched(&mut self, sys: &mut dyn SecondOrderSystem, before: &State, after: &State) {
         let mut out = std::mem::take(&mut self.out);
         let [(old, old_forces), (new, new_forces)] = [before, after].map(|s| {
@@ -134,7 +136,7 @@ impl ContactLog {
         self.compare(after.t, [&old, &new], [&old_forces, &new_forces], true);
     }
 
-    /// Events of what is in one list and not in the other.
+    /// Records an event for each contact that is in one list and not in the other.
     fn compare(
         &mut self,
         time_s: f64,

@@ -1,4 +1,4 @@
-//! A model's own converged solution: the run that the error of integration of its other runs is measured against.
+//! The converged solution of a model: a run against which the integration error of its other runs is measured.
 //!
 //! Candidates are tried from the finest on, and the first that reaches the end within its bound of work is taken. Work is
 //! steps times coordinates, and never time: the solution, and with it every error against it, is the same on every
@@ -20,27 +20,27 @@ use gearbench_reports::record::{OwnSolution, Run, Status};
 use gearbench_reports::series::TimeSeries;
 use serde::{Deserialize, Serialize};
 
-/// Tolerances of the converged solution, and the steps times coordinates that each may take: a hundredth of the
-/// tightest in use where it takes seconds; long stiff scenes get the last.
+/// Tolerances of the converged solution with bounds on steps times coordinates: a hundredth of the tightest common
+/// tolerance where it takes seconds, the last one for long stiff scenes.
 const TIGHT: [(f64, u64); 3] = [(1e-12, 4_000_000), (1e-10, 4_000_000), (1e-8, 8_000_000)];
-/// Tolerance of the method that is exact for modes where the study asks for no finer one.
+/// Relative tolerance of the method that is exact for modes, where the study uses no tighter one.
 const EXACT_RTOL: f64 = 1e-4;
-/// Steps that a solution by this method may take.
+/// Bound on the number of steps of a solution by this method.
 const EXACT_STEPS: u64 = 1_000_000;
-/// Share of the error of a run that its converged solution may have itself.
+/// Largest error of a converged solution relative to the error of the run that it judges.
 const FINER: f64 = 0.1;
-/// Coordinates up to which a converged solution is computed: beyond, it costs more than all the runs.
+/// Largest number of coordinates for which a converged solution is computed: beyond, it costs more than all the runs.
 pub const SMALL: usize = 2000;
 
-/// A candidate, and the attempted steps that it may take.
+/// A candidate method and its bound on attempted steps.
 pub type Candidate = (Scheme, u64);
 
-/// A model's own converged solution.
+/// The converged solution of a model.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Converged {
-    /// How it was computed.
+    /// Method, step or tolerance of the solution.
     pub by: OwnSolution,
-    /// Its history.
+    /// The contact force and other channels of the solution over time.
     pub series: TimeSeries,
 }
 
@@ -48,7 +48,7 @@ pub struct Converged {
 pub type Found = Result<Converged, String>;
 
 impl Converged {
-    /// Whether the error of a run under a method can be measured against this solution.
+    /// Checks that this solution is accurate enough to measure the error of a run under a method.
     ///
     /// # Errors
     /// The reason why it cannot, for the message of the run.
@@ -74,7 +74,7 @@ impl Converged {
     }
 }
 
-/// How converged solutions are computed, for a reader.
+/// Describes in words how converged solutions are computed.
 pub fn described() -> String {
     let [first, others @ ..] = TIGHT.map(|(rtol, _)| format!("{rtol:.0e}"));
     format!(
@@ -85,19 +85,18 @@ pub fn described() -> String {
     )
 }
 
-/// The method that is exact for modes, under a tolerance.
+/// The method that is exact for modes, at a relative tolerance.
 pub fn exact_for_modes(rtol: f64) -> Scheme {
     TRIGONOMETRIC.at_tolerance(rtol)
 }
 
-/// Candidates for gears without modes and so many coordinates.
+/// Candidates for gears without modes, by number of coordinates.
 fn tight(coordinates: usize) -> impl Iterator<Item = Candidate> {
     let steps = move |work: u64| work / coordinates.max(1) as u64;
     (TIGHT.into_iter()).map(move |(rtol, work)| (DOPRI5.at_tolerance(rtol), steps(work)))
 }
 
-/// Candidates for a model whose `row` shows its coordinates and modes, where the study runs it under the methods
-/// `asked`.
+/// Candidates for the model of a `row` of the record, given the methods of the study.
 pub fn candidates(row: &Run, asked: &[Scheme]) -> Vec<Candidate> {
     let exact = |s: &&Scheme| s.method.id() == TRIGONOMETRIC.id();
     let least = |all: &mut dyn Iterator<Item = f64>| all.min_by(f64::total_cmp);
@@ -129,7 +128,7 @@ pub fn candidates(row: &Run, asked: &[Scheme]) -> Vec<Candidate> {
     all
 }
 
-/// The converged solution of the model that a `row` of the record is of.
+/// Computes the converged solution of the model of a `row` of the record.
 ///
 /// # Errors
 /// [`RunError`] where the model cannot be built, or the user interrupts.
@@ -144,8 +143,8 @@ pub fn of_model(job: &Job<'_>, row: &Run, candidates: &[Candidate]) -> Result<Fo
     }
 }
 
-/// The solution by the first of the candidates that reaches the end within its steps. One whose steps, by how far a finer
-/// one came, will not do is not tried.
+/// Computes the solution by the first candidate that reaches the end within its bound of steps. A candidate that would
+/// exceed its bound, judged by the progress of a finer one, is not tried.
 ///
 /// # Errors
 /// [`RunError`] where the model cannot be built, or the user interrupts.
@@ -209,8 +208,8 @@ mod tests {
         }
     }
 
-    /// A solution judges what is at least ten times coarser: by tolerances of any two methods, by steps with the order of
-    /// the method, by the number of steps where one has a step and the other a tolerance.
+    /// A solution judges runs that are at least ten times coarser: by tolerances of any two methods, by steps with the
+    /// order of the method, by the number of steps where one has a step and the other a tolerance.
     #[test]
     fn a_solution_judges_what_is_ten_times_coarser() {
         let row = |steps| Run {
@@ -263,7 +262,7 @@ mod tests {
         assert!(why.contains("dopri5, rtol 1e-10"), "{why}");
     }
 
-    /// Candidates are ten times finer than what the study asks for.
+    /// Candidates are ten times finer than the methods of the study.
     #[test]
     fn candidates_are_finer_than_the_methods_of_the_study() {
         let asked = [

@@ -1,4 +1,4 @@
-//! Why a run could not start, and why a study ends before its end. Runs that fail do not end one: they are rows.
+//! Errors of runs and studies. A run that fails during integration is a row of the record, not an error.
 
 use super::journal::JournalError;
 use gearbench_integrators::MethodError;
@@ -8,41 +8,40 @@ use gearbench_models::spec::SceneSpec;
 use gearbench_reference::limits::TooMuchMemory;
 use gearbench_reference::statics::StaticsError;
 
-/// Why a run could not even start, or was stopped by the user.
+/// Reason why a run could not start, or was stopped by the user.
 #[derive(Debug, thiserror::Error)]
 pub enum RunError {
     /// The scene cannot be assembled.
     #[error(transparent)]
     Build(#[from] BuildError),
-    /// The integrator is not known or its parameters are wrong.
+    /// The integrator is unknown or its parameters are wrong.
     #[error(transparent)]
     Method(#[from] MethodError),
-    /// The integrator cannot do what is asked.
+    /// The integrator does not support the request.
     #[error("{0}")]
     Unsupported(String),
-    /// The integrator needs a linear part to be exact for, which not every model has.
+    /// The integrator needs a linear part, which the model does not have.
     #[error("{0}")]
     NoLinearPart(String),
-    /// A run that others are to be held against did not reach the end.
+    /// A reference run did not reach the end.
     #[error("{0}")]
     Reference(String),
-    /// It would take more memory than it may.
+    /// The run would need more memory than allowed.
     #[error(transparent)]
     Refused(#[from] TooMuchMemory),
-    /// Its frames cannot be written.
+    /// The frames cannot be written.
     #[error("{0}")]
     Picture(String),
-    /// The user ended it.
+    /// The user interrupted the run.
     #[error("interrupted")]
     Interrupted,
-    /// Finished runs cannot be read or kept.
+    /// The journal of finished runs cannot be read or written.
     #[error(transparent)]
     Journal(#[from] JournalError),
 }
 
 impl RunError {
-    /// The refusal of a method that is exact for oscillators by a scene whose coordinates are coupled: the reason, and what
-    /// helps.
+    /// The refusal of a method for uncoupled oscillators by a scene with coupled coordinates: the reason, and advice.
     pub fn no_linear_part(method: &str, scene: &Scene, spec: &SceneSpec) -> RunError {
         const OTHER: &str =
             "name another integrator for this model, for example dopri5 or hht-alpha";
@@ -76,15 +75,15 @@ impl RunError {
         ))
     }
 
-    /// Whether the method and the model do not go together, so that a study leaves the pair out and goes on.
+    /// True if the method does not apply to the model, so that a study leaves the pair out and goes on.
     pub fn leaves_out(&self) -> bool {
         matches!(self, RunError::NoLinearPart(_) | RunError::Unsupported(_))
     }
 }
 
-/// An error that may say that a model cannot run its scene: studies record that as a row and go on with other models.
+/// Errors that can mean that a model cannot run its scene: studies record this as a row and go on with other models.
 pub trait ModelRefusal {
-    /// Why the model cannot run; nothing where something else is wrong.
+    /// The reason why the model cannot run; `None` for any other error.
     fn refusal(&self) -> Option<String>;
 }
 
@@ -115,19 +114,19 @@ impl ModelRefusal for StudyError {
     }
 }
 
-/// Why a study ends before its end.
+/// Reason why a study ends early.
 #[derive(Debug, thiserror::Error)]
 pub enum StudyError {
-    /// A run could not start, or one that others are held against did not reach its end.
+    /// A run could not start, or a reference run did not reach its end.
     #[error(transparent)]
     Run(#[from] RunError),
-    /// There is no static equilibrium of the model with this label.
+    /// The model with this label has no static equilibrium.
     #[error("{0}: {1}")]
     Statics(String, StaticsError),
-    /// The scene, or the model with the label, is none for this study: why, and a way out.
+    /// The scene or model is not suitable for this study: reason and advice.
     #[error("{0}")]
     Scene(String, &'static str),
-    /// Finished runs cannot be read or kept.
+    /// The journal of finished runs cannot be read or written.
     #[error(transparent)]
     Journal(#[from] JournalError),
 }

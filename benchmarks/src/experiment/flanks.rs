@@ -1,8 +1,8 @@
-//! What flanks bear: contacts laid on the flanks of the first gear of each mesh, at the peak and over a run.
+//! Contact load on the flanks of the first gear of each mesh, at the largest force and as maximum over a run.
 //!
-//! Places on a flank are the length of roll and the height along the axis from the middle of the face. A contact on a slice
-//! of the width tells its load per width, or Hertz's pressure where it knows its own width; a contact of an area tells its
-//! pressure. Single nodes that stand for no area tell neither.
+//! Coordinates on a flank are the length of roll and the height along the axis from the middle of the face. The value
+//! of a contact on a slice of the width is its load per width, or Hertz's pressure if its width is known; that of a
+//! contact area is its pressure. Single nodes without an area have neither.
 
 use super::run::Job;
 use gearbench_integrators::State;
@@ -11,14 +11,14 @@ use gearbench_models::scene::{ContactExtent, ContactForce, Scene};
 use gearbench_models::spec::{Body, PointRule, SceneSpec, mesh_layout};
 use gearbench_reports::record::{DeformedSection, FlankGrid, FlankLoad, FlankPatch, FlankValue};
 
-/// Cells over the profile, and over the width at most, of what a run leaves on a flank.
+/// Cells over the profile, and largest number of cells over the width, of the maximum over a run.
 const CELLS: [usize; 2] = [32, 64];
-/// Patches of a flank at the peak that are kept at most.
+/// Largest number of stored patches of a flank at the largest force.
 const MOST_PATCHES: usize = 4000;
-/// Heights closer than this part of the width are those of one column of points.
+/// Heights that differ by less than this share of the width belong to one column of points.
 const SAME_HEIGHT: f64 = 1e-5;
 
-/// What is known of the flanks of a mesh before any contact is.
+/// Geometry of the flanks of a mesh, independent of the contacts.
 struct Flank<'a> {
     gear: &'a Gear,
     index: usize,
@@ -32,7 +32,7 @@ struct Borne {
     patches: Vec<FlankPatch>,
 }
 
-/// Loads on the flanks of all meshes at the state of the largest force, and the greatest of some instants.
+/// Contact loads on the flanks of all meshes at the largest force, and their maxima over several instants.
 pub fn flank_loads(
     job: &Job<'_>,
     scene: &mut Scene,
@@ -91,7 +91,7 @@ pub fn flank_loads(
     all
 }
 
-/// Contacts of a mesh at a state, by side.
+/// Contacts of a mesh at a state, by side of the tooth.
 fn at(scene: &mut Scene, state: &State, mesh: usize, flank: &Flank<'_>) -> Vec<Borne> {
     let forces = scene.contact_forces(state.at());
     let frame = scene.hub_frame(flank.index, state.at());
@@ -145,8 +145,8 @@ fn at(scene: &mut Scene, state: &State, mesh: usize, flank: &Flank<'_>) -> Vec<B
     out
 }
 
-/// Gives points that stand for areas their places and sizes: over the width from middle to middle between their columns,
-/// along the profile what is left of the area.
+/// Sets positions and sizes of points with areas: over the width from middle to middle between their columns, along the
+/// profile so that the area is kept.
 fn spread(patches: &mut [FlankPatch], areas: impl Iterator<Item = f64>, flank: &Flank<'_>) {
     let heights = columns(patches, flank.face_width);
     let end = 0.5 * flank.gear.face_width();
@@ -183,7 +183,8 @@ fn columns(patches: &[FlankPatch], width: f64) -> Vec<f64> {
     heights
 }
 
-/// Sections of the teeth in contact and of their neighbours, of gears that have nodes, at the height of the largest load.
+/// Deformed sections of the teeth in contact and of their neighbours at the height of the largest load, for gears with
+/// a finite element mesh.
 pub fn deformed_sections(
     spec: &SceneSpec,
     scene: &mut Scene,
@@ -241,7 +242,7 @@ fn side_name(side: Side) -> &'static str {
     }
 }
 
-/// The greatest values on a flank.
+/// The greatest values on a flank, by cell.
 struct Grid {
     roll: [f64; 2],
     width: f64,
@@ -250,7 +251,7 @@ struct Grid {
 }
 
 impl Grid {
-    /// As many columns as the contact has.
+    /// Creates a grid with one column for each column of contact points.
     fn of(flank: &Flank<'_>, patches: &[FlankPatch]) -> Self {
         let across = patches.iter().map(|p| p.size_m[1]);
         let finest = across.fold(flank.face_width, f64::min);

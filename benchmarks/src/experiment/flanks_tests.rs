@@ -19,7 +19,7 @@ fn force_of(picture: &ContactSnapshot) -> f64 {
     sum(0).hypot(sum(1))
 }
 
-/// Points of elastic flanks: pressures over their areas are the force, and lie within the face.
+/// Elastic flanks: pressures times areas of the points sum up to the force, and the points are within the face.
 #[test]
 fn patches_of_elastic_flanks_bear_the_force() {
     let run = run_of(&coarse("modes = 4"), TRIGONOMETRIC.at_step(1e-6));
@@ -49,7 +49,7 @@ fn patches_of_elastic_flanks_bear_the_force() {
     assert!(grid.instants > 10 && over_run >= 0.999 * greatest);
 }
 
-/// Slices of rigid flanks: forces per width times the widths are the force.
+/// Rigid flanks: forces per width times the widths of the slices sum up to the force.
 #[test]
 fn slices_of_rigid_flanks_bear_the_force() {
     let text = r#"
@@ -95,8 +95,8 @@ contact = { stiffness = "iso6336", slices = 10 }
     assert!(picture.deformed.is_empty());
 }
 
-/// Sections of teeth under a static load tell the displacement of the body behind them: from the contact to the tips, as the
-/// mesh has it by its stiffness. (Their normals are chords of the grid: near its ends a few degrees off.)
+/// Deformed sections of teeth under a static load agree with the displacement of the mesh, from the contact to the
+/// tips. (Their normals are chords of the grid, with errors of a few degrees near its ends.)
 #[test]
 fn sections_yield_as_the_body_does() {
     yields_as_the_body(&coarse("modes = 6"));

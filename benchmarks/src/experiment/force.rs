@@ -1,16 +1,17 @@
-//! The force of the first mesh between events: what the metrics of a run are taken from
-//! ([`gearbench_reports::force`] says why).
+//! Contact force of the first mesh as a piecewise polynomial between events, from which the metrics of a run are
+//! computed ([`gearbench_reports::force`] has the reasons).
 //!
-//! A step is looked at in the nodes of its pieces. Where events are located, steps far shorter than a piece share one, so
-//! that what is kept follows the time in contact over the characteristic time of the scene and not the number of steps;
-//! bodies full of waves know no such time, and have a piece per step. A piece ends where the state or its branch changes
-//! between steps, which is where events were located. In steps without a force nothing is kept.
+//! The force in a step is sampled at the nodes of its polynomial pieces. Where events are located, steps far shorter
+//! than a piece share one, so that the size of the record is proportional to the time in contact over the
+//! characteristic time of the scene, and not to the number of steps; bodies with waves have no such time, and get a
+//! piece per step. A piece ends where the state or its branch changes between steps, that is at located events. Steps
+//! without a force are not recorded.
 //!
-//! | the force within a step | a piece |
+//! | force within a step | piece |
 //! |---|---|
 //! | smooth: events are located | degree five over half a characteristic time |
 //! | continuous: flank points close one by one, without a damper | a parabola over the step |
-//! | may jump unseen: a damper, events not located | lines of a fifth of the characteristic time |
+//! | may jump without an event: a damper, events not located | lines over a fifth of the characteristic time |
 
 use gearbench_integrators::{AcceptedStep, SecondOrderSystem, State};
 use gearbench_reports::force::{ForceHistory, MOST_NODES, integral};
@@ -24,16 +25,16 @@ const LOBATTO: [f64; MOST_NODES] = [
     0.882_527_661_964_732_3,
     1.0,
 ];
-/// Nodes of a parabola.
+/// Nodes of a parabola on [0, 1].
 const PARABOLA: [f64; 3] = [0.0, 0.5, 1.0];
-/// Nodes of a line.
+/// Nodes of a line on [0, 1].
 const LINE: [f64; 2] = [0.0, 1.0];
-/// Looks into one step at most.
+/// Largest number of samples within one step.
 const MOST_LOOKS: f64 = 25.0;
-/// Nodes closer than this part of a piece would make its polynomial swing by their rounding.
+/// Least distance of nodes within a piece: closer nodes amplify rounding errors of the polynomial.
 const CLOSEST: f64 = 0.02;
 
-/// How finely the force is looked at.
+/// Sampling rule of the force.
 #[derive(Clone, Copy, Debug)]
 struct Rule {
     nodes: &'static [f64],
@@ -59,36 +60,36 @@ const UNSEEN: Rule = Rule {
     full: 0.0,
 };
 
-/// Whether events were located in the run that a state is of.
+/// True if a state comes from a run with located events.
 pub fn is_located(s: &State, sys: &dyn SecondOrderSystem) -> bool {
     sys.layout().event_functions > 0 && s.discrete.first().is_some_and(|d| *d != 0.0)
 }
 
-/// Force and its part in the transverse plane at a time [s, N, N].
+/// A sample of the contact force: time [s], magnitude [N], part in the transverse plane [N].
 pub type Sample = [f64; 3];
 
-/// Records the force of a run.
+/// Records the contact force of the first mesh during a run.
 #[derive(Clone, Debug, Default)]
 pub struct ForceRecorder {
-    /// What it recorded so far.
+    /// The contact force recorded so far.
     pub history: ForceHistory,
-    /// Impulse of the transverse part of the force [N s].
+    /// Impulse of the transverse part of the force so far [N s].
     pub impulse: f64,
     /// Samples since the last piece ended.
     group: Vec<Sample>,
-    /// The end of the last step.
+    /// State at the end of the last step.
     end: State,
-    /// Looks into one part of the present step, and those that are left of the whole.
+    /// Samples within one part of the present step, and those left of the whole step.
     interval: usize,
     left: usize,
     rule: Option<Rule>,
-    /// Jumps that no event tells of are looked for within steps.
+    /// True if jumps without an event are searched within steps.
     finely: bool,
     nodes: Vec<(f64, f64)>,
 }
 
 impl ForceRecorder {
-    /// One that looks within steps for jumps that no event tells of, or not.
+    /// A recorder; with `finely` it also searches within steps for jumps of the force that no event marks.
     pub fn new(finely: bool) -> Self {
         Self {
             finely,
@@ -96,9 +97,9 @@ impl ForceRecorder {
         }
     }
 
-    /// The times of a step at which the force is to be looked at, ascending, its end among them; its start where this
-    /// is not the end of the step before. `silent` tells whether there is no force at a time of the step: in one that
-    /// is silent throughout its end is enough.
+    /// Returns the times of a step at which the force is sampled, ascending, with its end; also its start if that is
+    /// not the end of the step before. `silent` is true if there is no force at a time; of a step without force only
+    /// the end is sampled.
     pub fn looks(
         &mut self,
         sys: &mut dyn SecondOrderSystem,
@@ -159,7 +160,7 @@ impl ForceRecorder {
         }
     }
 
-    /// Takes the force at the next of these times.
+    /// Records the force at the next of these times.
     pub fn take(&mut self, sys: &dyn SecondOrderSystem, sample: Sample) {
         if self.group.last().is_some_and(|s| s[0] >= sample[0]) {
             return;
@@ -177,7 +178,7 @@ impl ForceRecorder {
         }
     }
 
-    /// Ends the piece at the last sample, which the next one begins with.
+    /// Ends the piece at the last sample, which is the first of the next piece.
     pub fn close(&mut self) {
         let (Some(rule), &[.., _, last]) = (self.rule, &self.group[..]) else {
             return;
@@ -214,7 +215,7 @@ impl ForceRecorder {
     }
 }
 
-/// The samples nearest to nodes between the first and the last, none too close to another.
+/// Selects the samples nearest to nodes between the first and the last sample, at least [`CLOSEST`] apart.
 fn choose(group: &[Sample], nodes: &[f64]) -> Vec<Sample> {
     let (first, last) = (group[0], group[group.len() - 1]);
     let length = last[0] - first[0];

@@ -1,8 +1,8 @@
 //! Histories of a run: channels on a grid and around contacts, and the force between events.
 //!
-//! Readers get channels on an even grid, and between its times those of the steps in contact, or pictures would cut the
-//! peaks of short impacts in a long run. Metrics get the [force between events](super::force). The state of the largest
-//! force is kept for the picture.
+//! Plots use channels at equidistant times, and at the steps in contact between them, without which plots of long runs
+//! would miss the peaks of short impacts. Metrics use the [force between events](super::force). The state at the
+//! largest force is kept for the contact snapshot.
 
 use super::contact_log::ContactLog;
 use super::force::{ForceRecorder, is_located};
@@ -11,26 +11,26 @@ use gearbench_integrators::system::{Outputs, SecondOrderSystem, State};
 use gearbench_integrators::{AcceptedStep, Control, Sink};
 use gearbench_models::scene::{Channel, OfMesh, Scene};
 
-/// Distance of rows in contact, in characteristic times of the system.
+/// Least distance of rows in contact, in characteristic times of the system.
 const ROW_DISTANCE: f64 = 0.1;
-/// Rows kept beyond the grid at most: those are for pictures.
+/// Largest number of rows beyond the sampling times; they serve for plots.
 const MOST_ROWS: usize = 100_000;
 
-/// Numbers that the states for pictures may have in all.
+/// Largest total size of the states stored for plots, in numbers.
 const MOST_NUMBERS: usize = 4_000_000;
 
-/// Some states of a run, at equal numbers of samples from each other however long it is.
+/// A bounded number of states of a run, at equal numbers of samples apart.
 #[derive(Clone, Debug, Default)]
 pub struct Instants {
-    /// The states.
+    /// States at the times that the run reached.
     pub states: Vec<State>,
-    /// Samples from one to the next, as a power of two.
+    /// Samples between two stored states, as a power of two.
     doubled: u32,
     seen: u64,
 }
 
 impl Instants {
-    /// Every state is seen; every second one of those kept is given up where they become too many.
+    /// Visits every state; drops every second stored one when they become too many.
     fn take(&mut self, sample: &State) {
         let most = (MOST_NUMBERS / (2 * sample.q.len()).max(1)).clamp(8, 128);
         if self.seen.is_multiple_of(1 << self.doubled) {
@@ -50,7 +50,7 @@ impl Instants {
     }
 }
 
-/// The state at a time of a step: its ends as they are, between them the interpolant.
+/// Evaluates the state at a time within a step: the end points exactly, the interpolant between them.
 pub fn state_within(step: &AcceptedStep<'_>, t: f64, state: &mut State) {
     let (t0, t1) = (step.from.t, step.to.t);
     state.copy_from(step.from);
@@ -64,51 +64,51 @@ pub fn state_within(step: &AcceptedStep<'_>, t: f64, state: &mut State) {
     state.t = t;
 }
 
-/// Records channels of a run.
+/// Records channels of a run at sampling times and around contacts.
 #[derive(Clone, Debug, Default)]
 pub struct History {
     grid: Vec<f64>,
     next: usize,
-    /// Channels of the force of the first mesh, and of its part in the transverse plane.
+    /// Channels of the contact force of the first mesh and of its part in the transverse plane.
     force: Option<[usize; 2]>,
-    /// Channels of the least normal forces.
+    /// Channels of the least normal force, by mesh.
     least: Vec<usize>,
     also_steps: bool,
     /// Times of the rows [s].
     pub time: Vec<f64>,
-    /// Rows of channels.
+    /// Channels at each time, one row per time.
     pub rows: Vec<Vec<f64>>,
-    /// Rows that lie on the grid.
+    /// Indices of the rows at sampling times.
     pub on_grid: Vec<usize>,
-    /// Contacts; `None` where nobody asks.
+    /// Log of contacts, if requested.
     pub contacts: Option<ContactLog>,
-    /// The force between events; `None` where nobody asks.
+    /// Contact force between events, if requested.
     pub pieces: Option<ForceRecorder>,
-    /// Steps that begin earlier leave no pieces [s].
+    /// Steps that begin before this time are not recorded in `pieces` [s].
     pub pieces_from: f64,
-    /// State at the largest force.
+    /// State at the largest force so far.
     pub peak_state: Option<State>,
-    /// States in contact, for pictures; none where nobody asks for contacts.
+    /// States in contact for plots; empty without a contact log.
     pub instants: Instants,
-    /// States at times that are asked for, for pictures of whole bodies.
+    /// States at requested times for frames of whole bodies.
     pub frames: Frames,
-    /// Largest force [N].
+    /// Largest contact force of the first mesh [N].
     pub peak: f64,
     /// Least normal force of any contact [N].
     pub least_normal: f64,
-    /// The latest sample that was not kept.
+    /// The latest sample that was not stored.
     skipped: Option<(f64, Vec<f64>)>,
     in_contact: bool,
     sample: State,
-    /// The sample is the end of its step.
+    /// True if the sample is the end of its step.
     at_end: bool,
     out: Outputs,
-    /// Times to look at in a step.
+    /// Sampling times within the present step.
     looks: Vec<f64>,
 }
 
 impl History {
-    /// Records the channels of a scene on an ascending grid [s].
+    /// Creates a recorder for the channels of a scene at ascending sampling times [s].
     pub fn new(scene: &Scene, grid: Vec<f64>) -> Self {
         let channel = |what| scene.channel(Channel::Mesh(0, what));
         History {
@@ -121,7 +121,7 @@ impl History {
         }
     }
 
-    /// The same, the force between events, and with `also_steps` the steps in contact.
+    /// A history with the contact force between events; `also_steps` adds the accepted steps in contact.
     pub fn whole(scene: &Scene, grid: Vec<f64>, also_steps: bool) -> Self {
         History {
             also_steps,
@@ -130,28 +130,28 @@ impl History {
         }
     }
 
-    /// One channel over time.
+    /// One channel at all rows.
     pub fn column(&self, channel: usize) -> Vec<f64> {
         self.rows.iter().map(|r| r[channel]).collect()
     }
 
-    /// The force of the first mesh over time; 0 where there is none.
+    /// The contact force of the first mesh at all rows [N]; 0 without a mesh.
     pub fn force(&self) -> Vec<f64> {
         (self.force).map_or_else(|| vec![0.0; self.rows.len()], |[c, _]| self.column(c))
     }
 
-    /// Moves the sample to a time of a step.
+    /// Sets the sample to a time within a step.
     fn look(&mut self, step: &AcceptedStep<'_>, t: f64) {
         self.at_end = t >= step.to.t;
         state_within(step, t, &mut self.sample);
     }
 
-    /// Whether there is no force in the outputs.
+    /// True if all contact forces of the outputs are zero.
     fn is_silent(&self) -> bool {
         (self.force).is_none_or(|[c, _]| self.out.channels[c] == 0.0)
     }
 
-    /// Evaluates the sample; a row of it stays where it is to be kept, or frames the begin or end of a contact.
+    /// Evaluates the sample and stores it as a row if `keep` is set or a contact begins or ends next to it.
     fn take(&mut self, sys: &mut dyn SecondOrderSystem, keep: bool, on_grid: bool) {
         sys.sample(self.sample.at(), &mut self.out);
         let force = self.force.map_or(0.0, |[c, _]| self.out.channels[c].abs());
@@ -201,7 +201,7 @@ impl History {
         }
     }
 
-    /// Whether there is room for rows between those of the grid.
+    /// True if the limit of rows for accepted steps is not reached.
     fn keeps_steps(&self) -> bool {
         self.also_steps && self.rows.len() < self.grid.len() + MOST_ROWS
     }

@@ -1,41 +1,41 @@
 //! Interruption by the user (Ctrl-C), by the system (SIGTERM) or by a terminal that is closed (SIGHUP).
 //!
-//! Signals are caught from the first line of the program on, and end it with the exit code [`CODE`] whenever they come.
-//! While nothing is finished yet (scenes are read, models are built, gears are meshed) a signal ends the program at once.
-//! Once a study [defers](defer) signals, the first one sets a flag that every integration looks at, so that what is
-//! finished is reported; a second one ends the program at once.
+//! Signals are handled from the first line of the program on, and always end it with the exit code [`CODE`]. While
+//! nothing is finished yet (scenes are read, models are built, gears are meshed) a signal ends the program at once.
+//! Once a study [defers](defer) signals, the first one sets a flag that every integration polls, so that finished work
+//! is reported; a second one ends the program at once.
 
 use std::io;
 use std::sync::Arc;
 use std::sync::LazyLock;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Exit code of a program that was interrupted.
+/// Exit code of an interrupted program.
 pub const CODE: u8 = 130;
 
-/// The program was asked to end.
+/// True once the program was asked to end.
 static REQUESTED: LazyLock<Arc<AtomicBool>> = LazyLock::new(Arc::default);
-/// The next signal ends the program at once.
+/// True if the next signal ends the program at once.
 static AT_ONCE: LazyLock<Arc<AtomicBool>> = LazyLock::new(|| Arc::new(AtomicBool::new(true)));
 
-/// Whether the program was asked to end.
+/// True once a signal asked the program to end.
 pub fn requested() -> bool {
     REQUESTED.load(Ordering::Relaxed)
 }
 
-/// What integrations look at.
+/// The flag that integrations poll; it is set by a signal.
 pub fn flag() -> &'static AtomicBool {
     &REQUESTED
 }
 
-/// Lets the first signal from here on end the program in good order.
+/// Defers signals: the first one sets a flag instead of ending the program.
 pub fn defer() {
     if !requested() {
         AT_ONCE.store(false, Ordering::Relaxed);
     }
 }
 
-/// Catches the signals from here on.
+/// Installs the signal handlers.
 ///
 /// # Errors
 /// When the system refuses.
@@ -50,7 +50,7 @@ pub fn catch() -> io::Result<()> {
     Ok(())
 }
 
-/// The signals that end the program, without those that whoever started it had it ignore, as `nohup` does.
+/// The signals that end the program, except for those that its parent process set to be ignored, as `nohup` does.
 fn signals() -> Vec<i32> {
     use signal_hook::consts::{SIGINT, SIGTERM};
     #[cfg(target_os = "linux")]

@@ -1,10 +1,11 @@
-//! The journal of a study: every finished piece of work is a line of its own, on disk before the next is begun.
-//!
-//! The first line says which program and which study the lines belong to: another program may compute otherwise, and starts
-//! over. A line has the name of a piece, which covers all that the piece depends on ([`Key`](super::key::Key)), its result,
-//! and a checksum of both. A program that is killed, or a loss of power, leaves at worst a last line that is not whole, which
-//! the next start cuts off. A line that is damaged before a sound one is named: nothing of it is used. What stands in the
-//! journal is not computed again. A line is appended by one write and synced, so that neither a kill nor a loss of power
+//! The journal of a study, in which every finished piece of work is one line, written to disk before the next piece
+//! begins.
+//! The first line names the program and the study of the lines: another program may compute other results, and starts
+//! over. A line contains the key of a piece, which covers all its inputs ([`Key`](super::key::Key)), its result, and a
+//! checksum of both. After a kill or a loss of power the last line may be incomplete, and the next start cuts it off. A
+//! damaged line before an intact one is an error, and the journal is not used. Pieces in the journal are not computed
+//! again. A line is appended by one write and synced, so that a kill or a loss of power costs no more than the runs in
+//! progress. The lock of the folder ensures that one process at a time writes a journal.
 //! takes more than the runs under way. One process at a time writes a journal: the lock of the folder sees to that.
 
 use super::machine;
@@ -19,32 +20,32 @@ use std::path::{Path, PathBuf};
 
 /// Name of the journal in the folder of a study.
 pub const JOURNAL: &str = "journal.jsonl";
-/// Version of its format.
+/// Version of the journal format.
 const VERSION: u32 = 3;
-/// Bytes of the first line, at most.
+/// Largest length of the first line [bytes].
 const LONGEST_HEADER: u64 = 1 << 16;
-/// How a journal begins, of whatever version.
+/// First bytes of a journal of any version.
 const BEGIN: &[u8] = b"{\"journal\":";
 
-/// The study that a journal or a record belongs to: what distinguishes it from others that would use the same folder.
+/// Identity of the study of a journal or record; it distinguishes studies that would use the same folder.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Subject {
     /// Id of the study.
     pub study: String,
-    /// The scene as it is named: a shipped one, or a path.
+    /// Name of a shipped scene, or path of a scene file.
     pub scene: String,
-    /// Labels of the models that are chosen, between commas, in alphabetical order; `None` for those of the scene.
+    /// Labels of the selected models, separated by commas, in alphabetical order; `None` for the models of the scene.
     pub models: Option<String>,
 }
 
-/// First line.
+/// The first line of a journal: format, program and study.
 #[derive(Debug, PartialEq, Serialize, Deserialize)]
 struct Header {
     /// Version of the format.
     journal: u32,
-    /// The program that wrote it.
+    /// Version of the program that wrote the journal.
     program: String,
-    /// The study that the pieces are of.
+    /// The study that the pieces belong to.
     #[serde(default)]
     subject: Subject,
 }
@@ -64,7 +65,7 @@ impl Header {
     }
 }
 
-/// What tells builds of a tree with changes apart, which have one commit: when the program was built.
+/// Time of the build, which distinguishes builds of one commit with uncommitted changes; empty for a clean tree.
 fn build() -> String {
     let changed = machine::COMMIT.ends_with('+');
     let built = || std::env::current_exe()?.metadata()?.modified();
@@ -72,7 +73,7 @@ fn build() -> String {
     time.map_or_else(String::new, |t| format!(" {t:?}"))
 }
 
-/// A finished piece of work.
+/// A line of the journal: a finished piece of work.
 #[derive(Debug, Serialize, Deserialize)]
 struct Line<'a> {
     key: String,
@@ -111,7 +112,7 @@ fn sum(key: &str, result: &RawValue) -> String {
     hash.to_string()
 }
 
-/// Where the line of a finished piece is; results are read from there when they are asked for.
+/// Place of the line of a finished piece in the file; results are read when they are needed.
 #[derive(Clone, Copy, Debug)]
 struct Place {
     line: usize,
@@ -119,58 +120,58 @@ struct Place {
     length: usize,
 }
 
-/// Why a journal cannot be used.
+/// Reason why a journal cannot be used.
 #[derive(Debug, thiserror::Error)]
 pub enum JournalError {
-    /// The file refuses.
+    /// The file cannot be read or written.
     #[error("{}: {source}", path.display())]
     Io {
-        /// The journal.
+        /// Path of the journal.
         path: PathBuf,
-        /// Reason.
+        /// The error of the operating system.
         source: std::io::Error,
     },
-    /// A line before a sound one is damaged.
+    /// A line before an intact one is damaged.
     #[error(
         "{}:{line}: the line is damaged ({reason}); repeat all runs with --fresh",
         path.display()
     )]
     Damaged {
-        /// The journal.
+        /// Path of the journal.
         path: PathBuf,
-        /// The line, from 1.
+        /// Number of the line, from 1.
         line: usize,
-        /// Reason.
+        /// Why the line cannot be read.
         reason: String,
     },
-    /// What lies in its place is no journal.
+    /// The path of the journal is occupied by something else.
     #[error(
         "{}: {found} in the place of the journal of the study; name another folder with --out, or remove it",
         path.display()
     )]
     Foreign {
-        /// The place.
+        /// Path where the journal belongs.
         path: PathBuf,
-        /// What is there.
+        /// The kind of file found at the path.
         found: &'static str,
     },
-    /// It has finished pieces of another study.
+    /// The journal contains finished pieces of another study.
     #[error(
         "{}: {pieces} finished pieces of another, interrupted study ({}); name another folder with --out, continue that \
          study, or discard its pieces with --fresh",
         path.display(), of(subject)
     )]
     Other {
-        /// The journal.
+        /// Path of the journal.
         path: PathBuf,
-        /// Number of its pieces.
+        /// Number of finished pieces.
         pieces: usize,
-        /// Their study.
+        /// The study that the pieces belong to.
         subject: Subject,
     },
 }
 
-/// A study in words.
+/// Describes a study in words.
 fn of(subject: &Subject) -> String {
     let models = subject.models.as_ref();
     let models = models.map_or_else(String::new, |m| format!(", models {m}"));
@@ -183,7 +184,7 @@ impl From<JournalError> for String {
     }
 }
 
-/// An open journal.
+/// A journal that is open for reading and appending.
 #[derive(Debug)]
 pub struct Journal {
     path: PathBuf,
@@ -194,8 +195,8 @@ pub struct Journal {
 }
 
 impl Journal {
-    /// Opens the journal of a study at a path, with what it holds already; `fresh` empties it first, and so does another
-    /// program.
+    /// Opens the journal of a study at a path and reads its finished pieces; `fresh`, or another program, empties it
+    /// first.
     ///
     /// # Errors
     /// [`JournalError`] when the file refuses, is no journal, has pieces of another study, or is damaged before a sound
@@ -271,8 +272,7 @@ impl Journal {
         }
     }
 
-    /// Takes the sound lines of a journal behind the first one. What follows the last of them was not written to its end,
-    /// and is cut off.
+    /// Reads the intact lines of a journal behind the first one. An incomplete last line is cut off.
     fn read(&mut self, from: &mut impl BufRead) -> Result<(), JournalError> {
         let mut unsound: Option<(usize, String)> = None;
         let mut bytes = Vec::new();
@@ -295,7 +295,7 @@ impl Journal {
         }
     }
 
-    /// Takes note of the line that follows what is known.
+    /// Registers the line that follows the last known one.
     fn keep(&mut self, key: String, length: usize) {
         self.lines += 1;
         let place = Place {
@@ -314,7 +314,7 @@ impl Journal {
         }
     }
 
-    /// Appends a line and returns its length. One that cannot be written whole is taken back.
+    /// Appends a line and returns its length. An incomplete line is removed again.
     fn write(&mut self, line: &impl Serialize) -> Result<usize, JournalError> {
         let mut text = serde_json::to_string(line).map_err(|e| self.io(e.into()))?;
         text.push('\n');
@@ -342,7 +342,7 @@ impl Journal {
         Ok(())
     }
 
-    /// A result by its name.
+    /// Reads a result by its key.
     ///
     /// # Errors
     /// [`JournalError::Damaged`] when the line is not the one that was read at the start, or its result none of this type,
@@ -367,7 +367,7 @@ impl Journal {
         self.places.len()
     }
 
-    /// Whether nothing is finished.
+    /// True if the journal has no finished pieces.
     pub fn is_empty(&self) -> bool {
         self.places.is_empty()
     }
@@ -382,7 +382,7 @@ mod tests {
         Journal::open(&folder.path().join(JOURNAL), &Subject::default(), fresh)
     }
 
-    /// A number that takes all its digits.
+    /// A number with 17 significant digits.
     const X: f64 = 0.1 + 0.2;
 
     #[test]
@@ -470,7 +470,7 @@ mod tests {
         assert!(open(&folder, true).unwrap().is_empty());
     }
 
-    /// Zeros in the place of the last line, with and without a line feed, are what a loss of power leaves.
+    /// A loss of power leaves zeros in the place of the last line, with or without a line feed.
     #[test]
     fn a_last_line_of_zeros_or_with_another_digit_is_cut_off() {
         let folder = tempfile::tempdir().unwrap();
@@ -492,7 +492,7 @@ mod tests {
         }
     }
 
-    /// Lines of equal length that change their places while the journal is open are not taken for each other.
+    /// A line that was replaced by one of equal length while the journal was open is detected.
     #[test]
     fn a_result_is_that_of_its_key() {
         let folder = tempfile::tempdir().unwrap();

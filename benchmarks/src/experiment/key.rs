@@ -1,5 +1,5 @@
-//! Names of pieces of work by all that they depend on: a finished piece is taken up again only where its result would
-//! be the same.
+//! Keys of pieces of work: hashes of everything that their results depend on. A finished piece is reused only if its
+//! result would be the same.
 
 use gearbench_models::spec::{Modelling, SceneSpec, Value};
 use gearbench_reference::files as bounded;
@@ -7,26 +7,26 @@ use gearbench_reference::hash::Hash;
 use std::fmt;
 use std::path::Path;
 
-/// The name of a piece of work.
+/// The key of a piece of work.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Key(Hash);
 
 impl Key {
-    /// A piece of a kind.
+    /// Starts the key of a kind of work.
     pub fn new(kind: &str) -> Key {
         let mut hash = Hash::START;
         hash.text(kind);
         Key(hash)
     }
 
-    /// Goes on with something that the piece depends on: its debug text has all digits of all numbers.
+    /// Adds something that the piece depends on: its debug text has all digits of all numbers.
     #[must_use]
     pub fn and(mut self, part: &impl fmt::Debug) -> Key {
         self.0.text(&format!("{part:?}"));
         self
     }
 
-    /// Goes on with a scene and its models, and with the contents of the files that these read.
+    /// Adds a scene, its models, and the contents of the files that these read.
     #[must_use]
     pub fn and_scene(self, scene: &SceneSpec, modelling: &Modelling) -> Key {
         let mut key = self.and(scene).and(modelling);
@@ -46,10 +46,10 @@ impl fmt::Display for Key {
     }
 }
 
-/// Bytes of a file that a model reads, as many as the reader of reductions takes.
+/// Largest size of a model file that is hashed [bytes]; the reader of reductions has the same limit.
 const MOST_OF_MODEL: u64 = gearbench_reference::reduction::store::MAX_FILE_BYTES;
 
-/// Files that models read: texts among their parameters that are paths of files.
+/// Paths of the files that models read.
 pub fn files(modelling: &Modelling) -> impl Iterator<Item = &str> {
     (modelling.gears.iter())
         .flat_map(|g| g.parameters.values())

@@ -1,4 +1,4 @@
-//! What a record says of where and when it was made.
+//! Computer, program and time of a record.
 
 use gearbench_integrators::clock::processor_time;
 use gearbench_reports::record::{Machine, StudyHeader};
@@ -6,7 +6,7 @@ use gearbench_reports::record::{Machine, StudyHeader};
 /// Commit of gearbench at build time; `+` marks a tree with changes.
 pub const COMMIT: &str = env!("GEARBENCH_COMMIT");
 
-/// What a record made here and now says of itself.
+/// The header of a record that is made by this program on this computer now.
 pub fn header(scene: &str, title: &str, command: &str) -> StudyHeader {
     StudyHeader {
         scene: scene.into(),
@@ -19,7 +19,7 @@ pub fn header(scene: &str, title: &str, command: &str) -> StudyHeader {
     }
 }
 
-/// The computer.
+/// Processor, operating system and program of this computer.
 pub fn machine() -> Machine {
     let cpuinfo = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
     let cpu = cpuinfo
@@ -52,7 +52,7 @@ pub fn cpu_time() -> Option<f64> {
     processor_time().map(|t| t.as_secs_f64())
 }
 
-/// Now, in UTC, as RFC 3339 to the second.
+/// The present time in UTC, as RFC 3339 to the second.
 pub fn now() -> String {
     let now = jiff::Timestamp::now();
     now.round(jiff::Unit::Second).unwrap_or(now).to_string()
@@ -62,7 +62,7 @@ pub fn now() -> String {
 mod tests {
     use super::now;
 
-    /// `2026-11-22T10:09:15Z`, as records have always had it.
+    /// The date has the form of existing records, `2026-11-22T10:09:15Z`.
     #[test]
     fn dates() {
         let now = now();

@@ -1,33 +1,33 @@
-//! Experiments: what is run, how, and how it ended.
+//! Experiments: runs of one model under one integrator, their conditions, storage and status.
 //!
 //! | module | owns |
 //! |---|---|
-//! | [`budget`] | the processor time that a whole study may take |
-//! | [`conditions`] | what all runs of a study share, and what heads its record |
-//! | `contact_log` | tooth pairs in contact, and contacts that close and open |
-//! | [`configuration`] | what is run: a model of a scene |
+//! | [`budget`] | budget of processor time of a whole study |
+//! | [`conditions`] | conditions that all runs of a study share, header of its record |
+//! | `contact_log` | tooth pairs in contact, openings and closings of contacts |
+//! | [`configuration`] | one model of a scene with its parameters |
 //! | `converged` | the converged solution of a model |
-//! | [`error`] | why a study ends before its end |
-//! | `force` | the force of a run between events, for metrics |
+//! | [`error`] | errors of runs and studies |
+//! | `force` | contact force of a run between events, for metrics |
 //! | `history` | channels of a run over time |
-//! | [`interruption`] | Ctrl-C and SIGTERM |
-//! | [`journal`] | finished work on disk, so that a killed study goes on where it was |
-//! | [`key`] | names of pieces of work by all that they depend on |
-//! | [`machine`] | where and when a record was made |
-//! | [`parallel`] | pieces of work on several threads |
-//! | `record` | what a record keeps of a run |
-//! | `referenced` | references as records keep them |
-//! | [`run`] | one model under one integrator: a row of the record, failed or not |
+//! | [`interruption`] | handling of Ctrl-C and SIGTERM |
+//! | [`journal`] | storage of finished work, so that an interrupted study continues |
+//! | [`key`] | keys of pieces of work, hashed from their inputs |
+//! | [`machine`] | computer, program and time of a record |
+//! | [`parallel`] | parallel execution of pieces of work |
+//! | `record` | the row of a run in the record, and its histories |
+//! | `referenced` | references in the form of records |
+//! | [`run`] | run of one model under one integrator, a row of the record |
 //! | `parameters` | parameters of a run for its record |
 //! | `paths` | paths of torque and power through a train, load sharing between planets |
 //! | [`pictures`] | frames of a run for ParaView |
-//! | `resample` | histories at other abscissae |
-//! | [`runner`] | how a study does its work: piece by piece, kept when finished |
-//! | `settings` | what a reader must know of a scene |
-//! | [`status`] | how a run ended: one label for every way a run can go wrong |
-//! | [`small_signals`] | scenes in the equilibrium of their loads, and to first order there |
-//! | `thin` | histories as records keep them |
-//! | `watched` | one more observer of a run |
+//! | `resample` | interpolation of histories |
+//! | [`runner`] | execution of a study piece by piece |
+//! | `settings` | settings of a scene for the report |
+//! | [`status`] | status of a run: one label for every kind of failure |
+//! | [`small_signals`] | equilibrium, natural modes and frequency response of linearised scenes |
+//! | `thin` | reduction of histories to the size of a record |
+//! | `watched` | a run with one more observer |
 
 pub mod budget;
 pub mod conditions;

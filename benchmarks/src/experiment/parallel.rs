@@ -1,14 +1,14 @@
-//! Pieces of work on several threads.
+//! Parallel execution of independent pieces of work.
 
 use std::panic::resume_unwind;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// A poisoned lock belongs to a thread that panicked: the panic is what is told.
+/// Locks a mutex, also one poisoned by a thread that panicked: the panic itself is reported elsewhere.
 pub fn lock<T>(of: &Mutex<T>) -> MutexGuard<'_, T> {
     of.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Does a piece of work on every item, several at a time, in their order; the first error ends it.
+/// Processes every item on several threads, in their order; the first error ends the work.
 ///
 /// Threads of their own, not those of rayon: work is timed and holds locks, and a thread of rayon that waits inside a
 /// solver takes up another piece meanwhile.

@@ -1,4 +1,4 @@
-//! Parameters of a run for its record.
+//! Model and contact parameters of a run for its record.
 
 use gearbench_models::spec::{
     ContactSpec, LocalContact, Modelling, PointContact, PointRule, SceneSpec,
@@ -30,7 +30,7 @@ pub fn parameters(
     all
 }
 
-/// What a contact has as numbers, under the keys of scenes.
+/// Numeric parameters of a contact, under the keys of scenes.
 fn numbers(contact: &ContactSpec, gap: f64) -> impl Iterator<Item = (&'static str, f64)> {
     let pair = match contact.stiffness {
         _ if contact.points.is_some() => None,
@@ -68,7 +68,7 @@ mod tests {
     use super::*;
     use crate::scene_file::{Selection, load_for};
 
-    /// Tooth stiffness and mass stand in the record with all their digits.
+    /// Tooth stiffness and mass are in the record with all their digits.
     #[test]
     fn constants_of_teeth_are_numbers() {
         let scene = load_for("spur_impact", Selection::None).unwrap();

@@ -4,8 +4,9 @@
 //! P_m = -mean(T_1 omega_1),   s_k = F_k / sum F,   K_gamma = N max F_k / sum F,   W_i = sum (T_i + T_(i+1))/2 (phi_(i+1) - phi_i)
 //! ```
 //!
-//! Means are over the second half of a run, by the trapezoidal rule; what happens before is how it starts. Works of loads are
-//! sums over the turn of their hub, exact for constant torques; those of drives over torque and turn on the grid.
+//! Means are over the second half of a run, by the trapezoidal rule, as the first half contains the start. Works of
+//! loads are sums over the rotation of their hub, exact for constant torques; those of drives over torque and rotation
+//! on the grid.
 
 use super::history::History;
 use super::record::carrier_of;
@@ -16,16 +17,16 @@ use gearbench_reports::record::{
     MemberPath, MeshPath, PlanetShare, ShaftPath, Sharing, TorquePaths,
 };
 
-/// Part of a run before means are taken.
+/// Share of the duration before means are taken.
 const ONSET: f64 = 0.5;
-/// Force below this part of the greatest counts as none: shares of nothing are not told.
+/// Forces below this share of the greatest count as zero: load shares of zero are undefined.
 const NOTHING: f64 = 1e-3;
 
-/// Histories on the grid.
+/// Histories at the sampling times.
 struct Grid<'a> {
     scene: &'a Scene,
     history: &'a History,
-    /// Rows of the history, and the first of them that means take.
+    /// Rows of the history at the sampling times, and the first one that means include.
     rows: Vec<usize>,
     from: usize,
 }
@@ -35,19 +36,19 @@ impl Grid<'_> {
         self.history.time[self.rows[i]]
     }
 
-    /// A channel; zeros where the scene has none.
+    /// Values of a channel at the sampling times; zeros if the scene does not have it.
     fn column(&self, channel: Channel) -> Vec<f64> {
         let place = self.scene.channel(channel);
         let value = |row: &usize| place.map_or(0.0, |c| self.history.rows[*row][c]);
         self.rows.iter().map(value).collect()
     }
 
-    /// Mean over time from the onset on.
+    /// Mean over the time from the onset on.
     fn mean(&self, value: impl Fn(usize) -> f64) -> f64 {
         self.mean_within([self.from, self.rows.len() - 1], value)
     }
 
-    /// Mean over time from one sample to another.
+    /// Mean over the time from one sample to another.
     fn mean_within(&self, [from, to]: [usize; 2], value: impl Fn(usize) -> f64) -> f64 {
         let span = self.time(to) - self.time(from);
         let sum: f64 = (from..to)
@@ -64,14 +65,14 @@ impl Grid<'_> {
     }
 }
 
-/// Work of a torque over a turn, from a sample on.
+/// Work of a torque over the rotation from a sample on [J].
 fn work(torque: &[f64], angle: &[f64], from: usize) -> f64 {
     let turns = angle[from..].windows(2).map(|w| w[1] - w[0]);
     let means = torque[from..].windows(2).map(|w| 0.5 * (w[0] + w[1]));
     turns.zip(means).map(|(turn, torque)| turn * torque).sum()
 }
 
-/// The paths of a scene with more than one mesh, or with shafts.
+/// Computes the torque paths of a scene with more than one mesh, or with shafts.
 pub fn torque_paths(
     spec: &SceneSpec,
     scene: &Scene,
@@ -125,7 +126,7 @@ pub fn torque_paths(
     Some(paths).filter(TorquePaths::is_finite)
 }
 
-/// How much the means of a run change between both halves of their time, [`TorquePaths::change_rel`].
+/// Relative change of the means of a run between both halves of their time, [`TorquePaths::change_rel`].
 fn change(spec: &SceneSpec, grid: &Grid<'_>, input: f64) -> f64 {
     let torques: Vec<[f64; 2]> = (0..spec.meshes.len())
         .flat_map(|m| OfMesh::TORQUES.map(|what| grid.halves(&grid.column(Channel::Mesh(m, what)))))

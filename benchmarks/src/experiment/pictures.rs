@@ -1,9 +1,9 @@
-//! Frames of a run for ParaView: the bodies of all gears as they are displaced, with what presses on them.
+//! Frames of a run for ParaView: displaced bodies of all gears with contact forces.
 //!
-//! A frame is one grid (`NAME/frame_0000.vtu`), the run a collection of frames with their times (`NAME.pvd`). Nodes stand
-//! where they are; `displacement` is how far they are off the rigid motion of their gear, as it is, so that a warp by `s` of it
-//! shows `1 + s` times the displacement. Each contact acts on the node that is nearest to it: `contact_force` is the
-//! sum of these, `contact_pressure` the largest that a contact with a pressure has there, 0 elsewhere.
+//! A frame is one grid (`NAME/frame_0000.vtu`), the run a collection of frames with their times (`NAME.pvd`). Nodes are
+//! in their displaced positions; `displacement` is the deviation from the rigid motion of the gear, so that a warp by
+//! `s` of it shows `1 + s` times the displacement. Each contact acts on its nearest node: `contact_force` is the sum of
+//! these forces, `contact_pressure` the largest contact pressure there, 0 elsewhere.
 
 use super::run::RunError;
 use gearbench_integrators::State;
@@ -16,30 +16,30 @@ use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 
-/// Which frames are written, and where.
+/// Number, time window and path of the frames of a run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Pictures {
-    /// Folder of all runs.
+    /// Common folder of all runs.
     pub folder: PathBuf,
-    /// Name of the run.
+    /// Name of the run in file names.
     pub name: String,
-    /// Number of frames.
+    /// Number of frames in the window.
     pub frames: usize,
     /// First and last time [s].
     pub window: [f64; 2],
 }
 
-/// The frames of a run while it goes on.
+/// Frames of a run while it is computed.
 #[derive(Clone, Debug, Default)]
 pub struct Frames {
     /// Times of frames, ascending [s].
     pub times: Vec<f64>,
-    /// States at those that were reached.
+    /// States at the times reached so far.
     pub states: Vec<State>,
 }
 
 impl Pictures {
-    /// Frames to be, once what they take is allowed.
+    /// Sets the times of the frames, if the memory suffices for their states.
     ///
     /// # Errors
     /// [`RunError::Refused`] where all states would take too much memory.
@@ -63,7 +63,7 @@ impl Pictures {
     /// Writes the frames of a run, one at a time.
     ///
     /// # Errors
-    /// What a file cannot be written for, or a body not be known.
+    /// A file cannot be written, or a frame cannot be computed.
     pub fn write(
         &self,
         spec: &SceneSpec,
@@ -106,9 +106,9 @@ struct Frame {
     displacement: Vec<Vec3>,
     force: Vec<Vec3>,
     pressure: Vec<f64>,
-    /// From 1, in the order of the scene.
+    /// Number of the gear, from 1, in the order of the scene.
     gear: Vec<i32>,
-    /// Where the nodes of each gear end.
+    /// End of the nodes of each gear.
     ends: Vec<usize>,
 }
 
@@ -143,7 +143,7 @@ impl Frame {
         begin..self.ends[gear]
     }
 
-    /// Lets a contact act on the nearest node of a gear.
+    /// Adds the force of a contact to the nearest node of a gear.
     fn press(&mut self, gear: usize, sign: f64, contact: &ContactForce) {
         let off = |n: &usize| (self.places[*n] - contact.x).norm_squared();
         let nearest = self.nodes(gear).min_by(|a, b| off(a).total_cmp(&off(b)));
@@ -178,7 +178,7 @@ impl Frame {
     }
 }
 
-/// A name for files: letters and digits of a text, dashes between them.
+/// Converts text to a file name of letters, digits and dashes.
 pub fn file_name(text: &str) -> String {
     let of = |c: char| if c.is_ascii_alphanumeric() { c } else { '-' };
     let parts: String = text.chars().map(of).collect();

@@ -1,4 +1,4 @@
-//! What a record keeps of a run: histories, energy ledger, modes, the picture at the largest force.
+//! The record of a run: histories, energy ledger, modes, and the contact points at the largest force.
 
 use super::history::History;
 use super::run::Job;
@@ -19,7 +19,7 @@ use gearbench_reports::series::{
     TOOTH_SPRING_FORCE, TOOTH_TANGENTIAL_FORCE, TimeSeries,
 };
 
-/// The part of a row that tells of the modes of elastic gears.
+/// The columns of a row on the modes of elastic gears.
 pub fn reduction(scene: &Scene, modelling: &Modelling) -> Run {
     let mut found = Run::default();
     for (gear, spec) in scene.gears().iter().zip(&modelling.gears) {
@@ -119,7 +119,7 @@ pub fn time_series(job: &Job<'_>, scene: &Scene, history: &History) -> TimeSerie
     series
 }
 
-/// Torques between the stations of shafts, then how bodies on them move.
+/// Channels of shafts: torques between stations, then motions of the bodies on them.
 fn of_shafts(spec: &SceneSpec) -> impl Iterator<Item = Channel> + '_ {
     let between = |s: &ShaftSpec| s.stations.len().saturating_sub(1);
     let torques = spec.shafts.iter().map(between).sum();
@@ -138,10 +138,10 @@ fn of_shafts(spec: &SceneSpec) -> impl Iterator<Item = Channel> + '_ {
     (0..torques).map(Channel::ShaftTorque).chain(bodies)
 }
 
-/// Torques of a gear.
+/// Channels of the torques of a gear.
 const TORQUES: [OfGear; 2] = [OfGear::ContactTorque, OfGear::MountTorque];
 
-/// Torques of contacts and mounts, by the values of a channel.
+/// Torques of contacts and mounts, by gear, from the values of their channels.
 fn torques(spec: &SceneSpec, values: impl Fn(Channel) -> Vec<f64>) -> Vec<Column> {
     let gears = 0..spec.gears.len();
     let channels = gears.flat_map(|g| TORQUES.map(|what| Channel::Gear(g, what)));
@@ -152,7 +152,7 @@ fn torques(spec: &SceneSpec, values: impl Fn(Channel) -> Vec<f64>) -> Vec<Column
     channels.map(column).collect()
 }
 
-/// Transmission errors of all meshes but the first, by the way of each hub.
+/// Transmission errors of all meshes but the first, from the displacement of each hub.
 fn further_errors(spec: &SceneSpec, of_hub: impl Fn(usize) -> Vec<f64>) -> Vec<Column> {
     let column = |m: usize| {
         let [a, b] = spec.meshes[m].gears.map(|i| spec.gears[i].name.as_str());
@@ -164,8 +164,8 @@ fn further_errors(spec: &SceneSpec, of_hub: impl Fn(usize) -> Vec<f64>) -> Vec<C
     (1..spec.meshes.len()).filter_map(column).collect()
 }
 
-/// What the files of a run hold beyond its series: all components of forces, torques, speeds of hubs, transmission errors
-/// of further meshes, tooth pairs and events.
+/// The channels of the history files of a run: all components of forces, torques, hub speeds, transmission errors of
+/// further meshes, tooth pairs and events.
 pub fn histories(job: &Job<'_>, scene: &Scene, history: &History) -> Histories {
     let spec = job.scene;
     let rows = &history.on_grid;
@@ -222,7 +222,8 @@ pub fn histories(job: &Job<'_>, scene: &Scene, history: &History) -> Histories {
     }
 }
 
-/// Speeds of a gear [rad/s]; of a rack its speed over the reference radius of the first gear that it meshes with.
+/// Angular speeds of a gear [rad/s]; for a rack its speed over the reference radius of the first gear that it meshes
+/// with.
 fn turning(scene: &SceneSpec, gear: usize, mut speed: Vec<f64>) -> Vec<f64> {
     let Some(Body::Rack(_)) = scene.gears.get(gear).map(|g| &g.body) else {
         return speed;
@@ -238,13 +239,14 @@ fn turning(scene: &SceneSpec, gear: usize, mut speed: Vec<f64>) -> Vec<f64> {
     speed
 }
 
-/// The body that a gear goes round with, behind the gears.
+/// The carrier of a planet gear, as index of a member behind the gears.
 pub fn carrier_of(scene: &SceneSpec, gear: usize) -> Option<usize> {
     let carries = scene.bodies().position(|b| b.planets.contains(&gear));
     carries.map(|body| scene.gears.len() + body)
 }
 
-/// Transmission error of a mesh [m], [`spec::transmission_error`]; in a planetary set by the motions relative to its carrier.
+/// Transmission error of a mesh [m], [`spec::transmission_error`]; in a planetary set from the motions relative to its
+/// carrier.
 fn transmission_error(
     scene: &SceneSpec,
     mesh: usize,
@@ -256,7 +258,7 @@ fn transmission_error(
     Some(x.iter().zip(&y).map(|(x, y)| of(*x, *y)).collect())
 }
 
-/// Motions of both gears of a mesh, in a planetary set relative to its carrier, by the motion of each hub.
+/// Motions of both gears of a mesh from the motion of each hub; in a planetary set relative to the carrier.
 fn seen_from_carrier(
     scene: &SceneSpec,
     mesh: &MeshSpec,
@@ -272,8 +274,8 @@ fn seen_from_carrier(
     motions
 }
 
-/// Cycles of the first mesh since the start, by the turn of its first toothed wheel, in a planetary set relative to its
-/// carrier.
+/// Cycles of the first mesh since the start, from the rotation of its first toothed wheel; in a planetary set relative
+/// to its carrier.
 fn mesh_cycles(scene: &SceneSpec, displacement: impl Fn(usize) -> Vec<f64>) -> Option<Vec<f64>> {
     let mesh = scene.meshes.first()?;
     let turns = seen_from_carrier(scene, mesh, displacement);
@@ -288,13 +290,15 @@ fn mesh_cycles(scene: &SceneSpec, displacement: impl Fn(usize) -> Vec<f64>) -> O
     Some(turn)
 }
 
-/// Places in the backlash between which a tooth has to move for them to be recorded: flanks of both sides are near then.
+/// Range of the position in the backlash that the motion must exceed to be recorded: both flanks are then close to
+/// contact.
 const HAMMERING: [f64; 2] = [0.25, 0.75];
-/// Slowest over fastest speed of the second gear with which the error of the speed ratio is recorded.
+/// Least ratio of the lowest to the highest speed of the second gear for which the error of the speed ratio is
+/// recorded.
 const TURNING: f64 = 0.5;
 
-/// Of each mesh the place of the tooth in the backlash where it crosses that, and the error of the speed ratio where both
-/// gears keep turning.
+/// Columns of each mesh: position of the tooth in the backlash, if it crosses the backlash, and error of the speed
+/// ratio, if both gears keep rotating.
 fn motion_columns(spec: &SceneSpec, of_gear: &impl Fn(usize, OfGear) -> Vec<f64>) -> Vec<Column> {
     let mut found = Vec::new();
     for (m, mesh) in spec.meshes.iter().enumerate() {
@@ -326,7 +330,8 @@ fn span(values: &[f64]) -> [f64; 2] {
     })
 }
 
-/// Place of the tooth in the backlash: 0 where the flank of the start touches without load, 1 where the other one does.
+/// Position of the tooth in the backlash: 0 at load-free contact of the flank of the start, 1 at load-free contact of
+/// the other flank.
 fn backlash_position(
     spec: &SceneSpec,
     m: usize,
@@ -343,7 +348,7 @@ fn backlash_position(
     (least < HAMMERING[0] && most > HAMMERING[1]).then_some(place)
 }
 
-/// Error of the speed ratio, `-(r_b1 omega_1)/(r_b2 omega_2) - 1`, by the speeds of the hubs.
+/// Error of the speed ratio of the hubs, `-(r_b1 omega_1)/(r_b2 omega_2) - 1`.
 fn speed_ratio_error(
     spec: &SceneSpec,
     m: usize,
@@ -410,7 +415,7 @@ pub fn momenta(scene: &mut Scene, state: &State) -> Vec<f64> {
         .collect()
 }
 
-/// Impulse of the transverse force by the samples of a series [N s].
+/// Impulse of the transverse force from the samples of a series [N s].
 pub fn sampled_impulse(spec: &SceneSpec, series: &TimeSeries) -> f64 {
     let name = Channel::Mesh(0, OfMesh::Transverse).column(spec);
     let transverse = series.column(&name).unwrap_or_default();
@@ -419,7 +424,8 @@ pub fn sampled_impulse(spec: &SceneSpec, series: &TimeSeries) -> f64 {
         .sum()
 }
 
-/// The books of a run; the impulse is that of the force in the transverse plane, where the lines of action lie.
+/// The energy and impulse balance of a run; the impulse is that of the force in the transverse plane, which contains
+/// the lines of action.
 pub fn ledger_record(
     job: &Job<'_>,
     ledger: &Ledger,
@@ -468,7 +474,7 @@ pub fn ledger_record(
     }
 }
 
-/// The mesh at one state: outlines turned and placed, contacts with their forces.
+/// The mesh at one state: gear outlines in position, contacts with their forces.
 pub fn snapshot(spec: &SceneSpec, scene: &mut Scene, state: &State) -> ContactSnapshot {
     let phases = scene.phases().to_vec();
     let mut outlines = Vec::new();
@@ -526,7 +532,7 @@ pub fn snapshot(spec: &SceneSpec, scene: &mut Scene, state: &State) -> ContactSn
     }
 }
 
-/// Teeth of a contact, counted from 1 within each gear.
+/// Name of the tooth pair of a contact; teeth are counted from 1 within each gear.
 fn pair_name(spec: &SceneSpec, f: &gearbench_models::scene::ContactForce) -> String {
     let gears = spec.meshes[f.mesh].gears;
     let name = |k: usize| {

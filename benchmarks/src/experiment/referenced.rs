@@ -1,4 +1,4 @@
-//! References as records keep them.
+//! Conversion of references to the form of records.
 //!
 //! A record has one series over the times of the contact force, else of the longest history, and a further series for the
 //! histories on each other axis of times. A column that the reference does not have is empty.
@@ -12,7 +12,7 @@ use gearbench_reports::record::ReferenceSeries;
 use gearbench_reports::series::{Column, TimeSeries};
 use std::cmp::Reverse;
 
-/// A reference as records of a scene keep it.
+/// Converts a reference to the form of the record of a scene.
 pub fn recorded(r: &Reference, scene: &SceneSpec) -> ReferenceSeries {
     let mut all: Vec<TimeSeries> = Vec::new();
     // The contact force first, then what has most samples: their times are those of the series that stands in all records.
@@ -44,7 +44,7 @@ pub fn recorded(r: &Reference, scene: &SceneSpec) -> ReferenceSeries {
     }
 }
 
-/// Puts a history into the series of its times.
+/// Adds a history to the series with the same times.
 fn put(series: &mut TimeSeries, channel: &data::Channel, scene: &SceneSpec) {
     let values = channel.value.clone();
     let name = match channel.quantity {

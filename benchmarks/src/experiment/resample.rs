@@ -1,6 +1,6 @@
-//! Histories at other abscissae: between samples at ascending ones, linear or by cubics.
+//! Interpolation of histories at other abscissae, linear or cubic.
 
-/// Linear between samples at ascending abscissae.
+/// Interpolates linearly between samples at ascending abscissae.
 pub fn resample(x: &[f64], y: &[f64], at: &[f64]) -> Vec<f64> {
     let mut i = 0;
     at.iter()
@@ -14,7 +14,7 @@ pub fn resample(x: &[f64], y: &[f64], at: &[f64]) -> Vec<f64> {
         .collect()
 }
 
-/// A cubic through the four samples around each abscissa, for what has no jumps.
+/// Interpolates by the cubic through the four samples around each abscissa; for histories without jumps.
 pub fn resample_smooth(x: &[f64], y: &[f64], at: &[f64]) -> Vec<f64> {
     let n = x.len();
     if n < 4 {

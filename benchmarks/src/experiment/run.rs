@@ -1,4 +1,4 @@
-//! One model under one integrator: a row of the record. A run that fails is a row as well.
+//! Run of one model under one integrator, as a row of the record. A failed run is a row as well.
 
 use super::contact_log::ContactLog;
 pub use super::error::RunError;
@@ -28,57 +28,59 @@ use gearbench_reference::limits;
 use gearbench_reports::record::{ContactSnapshot, Run};
 use std::time::{Duration, Instant};
 
-/// A run that took more processor time [s] is not repeated without observers: what they cost is small beside it.
+/// Processor time [s] above which a run is not repeated without observers: their cost is then relatively small.
 const LONG: f64 = 1.0;
-/// Timed repeats of a run at most, however short it is.
+/// Largest number of timed repeats of a short run.
 const MOST_REPEATS: usize = 300;
 
-/// Dense matrices that such a method holds at a time: Jacobian, Newton matrix, its factors and what these are made of.
+/// Number of dense matrices that such a method stores at a time: Jacobian, Newton matrix, its factors and intermediate
+/// matrices.
 const DENSE_COPIES: f64 = 4.0;
 
-/// The setting that names pairs of a model and an integrator that cannot run it.
+/// Name of the setting that lists omitted pairs of model and integrator.
 pub const LEFT_OUT: &str = "left out";
 
-/// No bound of time: such a run ends at its end, or at its number of steps.
+/// Time bound of a run without bound: it ends at its final time or at its number of steps.
 pub const NO_BOUND: Duration = Duration::from_secs(1_000_000_000);
 
-/// What a run needs to know.
+/// Input of one run: scene, models, integrator, sampling and bounds.
 #[derive(Clone, Copy)]
 pub struct Job<'a> {
-    /// The scene.
+    /// The scene to simulate.
     pub scene: &'a SceneSpec,
-    /// Its models.
+    /// Models of gears and contacts.
     pub modelling: &'a Modelling,
-    /// Table of models.
+    /// The table of gear models.
     pub models: &'a [Model],
-    /// Integrator.
+    /// Integration method with its step or tolerance.
     pub method: &'a Scheme,
-    /// End [s].
+    /// End of the simulated time [s].
     pub t_end: f64,
-    /// Times to record at [s].
+    /// Sampling times of the histories [s].
     pub grid: &'a [f64],
-    /// Record accepted steps in contact as well.
+    /// True if accepted steps in contact are recorded as well.
     pub also_steps: bool,
-    /// Record the components of contact and bearing forces.
+    /// True if the components of contact and bearing forces are recorded.
     pub forces: bool,
-    /// Record torques, and transmission errors of further meshes: what references may have beside forces and speeds.
+    /// True if torques and further transmission errors are recorded, which references may contain besides forces and
+    /// speeds.
     pub torques: bool,
-    /// Keep what the files of histories hold.
+    /// True if the data of the history files are stored.
     pub histories: bool,
-    /// Frames for ParaView; none where nobody asks.
+    /// Frames for ParaView, if requested.
     pub pictures: Option<&'a Pictures>,
-    /// Locate events.
+    /// True if contact events are located.
     pub events: bool,
-    /// Timed repeats.
+    /// Number of timed repeats.
     pub repeats: u32,
-    /// Bound on the processor time of one integration, recording excluded.
+    /// Bound on the processor time of one integration, without recording.
     pub timeout: Duration,
-    /// Bound on its steps, rejected ones included: a timeout that does not depend on the machine.
+    /// Bound on the number of steps, rejected ones included; unlike a timeout it does not depend on the machine.
     pub max_steps: u64,
 }
 
 impl Job<'_> {
-    /// Name of what the result depends on, timings apart.
+    /// Hash of everything that the result depends on, apart from measured times.
     pub fn key(&self) -> Key {
         Key::new("run")
             .and_scene(self.scene, self.modelling)
@@ -105,7 +107,7 @@ impl Job<'_> {
 #[derive(Clone, Copy, Debug)]
 struct Cost {
     wall: f64,
-    /// Processor time; wall time where the system reports no other.
+    /// Processor time; wall time if the system reports no processor time.
     processor: f64,
 }
 
@@ -123,7 +125,7 @@ impl Stopwatch {
         }
     }
 
-    /// What has passed since, without the wall time that observers took.
+    /// Cost since the start, without the wall time of the observers.
     fn read(&self, observers: Duration) -> Cost {
         let processor = (self.processor.zip(cpu_time())).map(|(from, to)| to - from);
         let (wall, observed) = (self.wall.elapsed().as_secs_f64(), observers.as_secs_f64());
@@ -134,14 +136,14 @@ impl Stopwatch {
     }
 }
 
-/// Memory of the matrices of a method that keeps dense ones of the first-order form, twice the coordinates [bytes].
+/// Memory of the dense matrices of a method in first-order form, with twice the coordinates [bytes].
 fn dense_bytes(coordinates: usize) -> f64 {
     DENSE_COPIES * 8.0 * (2.0 * coordinates as f64).powi(2)
 }
 
-/// Memory of a number of a history while its run is recorded, journalled and written to a table [bytes].
+/// Memory per number of a history while its run is recorded, journalled and written to a table [bytes].
 const RECORDED: f64 = 26.0;
-/// The same where no files of histories are asked for.
+/// Memory of a number of a history where no history files are written [bytes].
 const MEASURED: f64 = 14.0;
 
 /// Checks the memory of the histories of a run before it is made.
@@ -159,13 +161,13 @@ fn check_histories(job: &Job<'_>, scene: &Scene) -> Result<(), RunError> {
     )?)
 }
 
-/// Runs a job and fills a row; model names and metrics are the caller's.
+/// Runs a job and returns its row; the caller adds model names and metrics.
 pub fn run(job: &Job<'_>) -> Result<Run, RunError> {
     run_timed(job, Duration::ZERO)
 }
 
-/// The same, with further repeats of a short run until those that are timed took this long together: the median of
-/// three times of some microseconds says little.
+/// Runs a job and repeats a short run until the timed repeats took `together` in sum: the median of three times of some
+/// microseconds is too noisy.
 pub fn run_timed(job: &Job<'_>, together: Duration) -> Result<Run, RunError> {
     let started = Instant::now();
     let mut scene = assemble(job.scene, job.modelling, job.models)?;
@@ -173,7 +175,7 @@ pub fn run_timed(job: &Job<'_>, together: Duration) -> Result<Run, RunError> {
     timed_in(job, &mut scene, setup, together)
 }
 
-/// [`run`] in a scene that has been built from the job's scene and models already, which took `setup`.
+/// Runs a job as [`run`] does, in a scene that was already built from the job within the time `setup`.
 pub fn run_in(job: &Job<'_>, scene: &mut Scene, setup: Duration) -> Result<Run, RunError> {
     timed_in(job, scene, setup, Duration::ZERO)
 }
@@ -188,7 +190,7 @@ fn timed_in(
     timed_from(job, scene, &mut state, (setup, together), None)
 }
 
-/// [`run_in`] from a state of the scene, which becomes the one that the run ends in.
+/// Runs a job as [`run_in`] does, from a given state of the scene, which becomes the final state.
 pub fn run_from(
     job: &Job<'_>,
     scene: &mut Scene,
@@ -198,7 +200,7 @@ pub fn run_from(
     timed_from(job, scene, state, (setup, Duration::ZERO), None)
 }
 
-/// [`run_in`], watched by one more observer.
+/// Runs a job as [`run_in`] does, with one more observer.
 pub fn run_watched(
     job: &Job<'_>,
     scene: &mut Scene,
@@ -380,7 +382,7 @@ fn timed_from(
     })
 }
 
-/// One integration of a job without observers and from the start, as often as it is called: for timings.
+/// Returns a function that integrates a job without observers from the start, for timings.
 pub fn bare<'j>(job: &'j Job<'_>, scene: &'j mut Scene) -> impl FnMut() + 'j {
     let mut method = job.method.method.build();
     let start = scene.initial();
@@ -390,7 +392,7 @@ pub fn bare<'j>(job: &'j Job<'_>, scene: &'j mut Scene) -> impl FnMut() + 'j {
     }
 }
 
-/// Integrates without timing or judging and returns the force at the grid times: for fits.
+/// Integrates without timing and status, and returns the force at the sampling times, for fits [N].
 pub fn force_on_grid(
     scene: &mut Scene,
     method: &mut dyn Integrator,
@@ -411,7 +413,7 @@ pub fn force_on_grid(
     Ok(history.force())
 }
 
-/// What a reader must know of modes that resonate with a fixed step of a method that is exact for them.
+/// A note on modes that resonate with the fixed step of a method that integrates modes exactly.
 fn resonance_note(job: &Job<'_>, scene: &mut Scene, linear_part: bool) -> Option<String> {
     let h = job.method.resolution.step()?;
     let n = scene.layout().n;

@@ -1,7 +1,7 @@
-//! How a study does its work: piece by piece, each finished one kept on disk, none begun after an interruption.
+//! Execution of a study piece by piece: finished pieces are stored on disk, and none begins after an interruption.
 //!
-//! A study is written as if it computed everything. What an earlier start has finished is taken from the journal, and a
-//! study that was interrupted comes to its end with rows that were not made, which the record then leaves out.
+//! A study is written as if it computed everything. Finished pieces of an earlier start are taken from the journal. An
+//! interrupted study reaches its end with rows without results, which the record then leaves out.
 
 use super::budget::Budget;
 use super::conditions::{Progress, silent};
@@ -23,23 +23,23 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// What is told of the number of pieces that an interrupted start has left.
+/// Callback that receives the number of finished pieces that an interrupted start left in the journal.
 pub type Announce<'a> = &'a (dyn Fn(usize) + Sync);
 
-/// Pieces that were taken from the journal.
+/// Number of pieces that were taken from the journal.
 #[derive(Debug, Default)]
 struct Resumed {
     pieces: usize,
     announced: bool,
 }
 
-/// Does the pieces of a study.
+/// Runs the pieces of a study.
 pub struct Runner<'a> {
     journal: Option<Mutex<Journal>>,
     progress: Progress<'a>,
-    /// Bytes of rows that the study keeps to its end.
+    /// Memory of the rows that the study keeps to its end [bytes].
     kept: AtomicU64,
-    /// The processor time that all pieces may take together.
+    /// Budget of processor time of all pieces together.
     budget: Budget,
     resumed: Mutex<Resumed>,
     announce: Announce<'a>,
@@ -62,7 +62,7 @@ impl fmt::Debug for Runner<'_> {
 }
 
 impl Default for Runner<'_> {
-    /// One that keeps nothing and tells nobody.
+    /// A runner without journal, progress output and time budget.
     fn default() -> Self {
         Runner {
             journal: None,
@@ -76,7 +76,7 @@ impl Default for Runner<'_> {
 }
 
 impl<'a> Runner<'a> {
-    /// One that keeps what is finished in a journal.
+    /// A runner that stores finished pieces in a journal.
     pub fn new(journal: Journal, progress: Progress<'a>) -> Self {
         Runner {
             journal: Some(Mutex::new(journal)),
@@ -88,8 +88,8 @@ impl<'a> Runner<'a> {
         }
     }
 
-    /// The same, which announces once how many pieces it takes from an interrupted start: before it makes the first one
-    /// itself, else at its end.
+    /// Sets the callback for the number of pieces that are taken from an interrupted start. It is called once, before
+    /// the first piece is computed or at the end.
     #[must_use]
     pub fn announcing(mut self, announce: Announce<'a>) -> Self {
         self.announce = announce;
@@ -107,31 +107,31 @@ impl<'a> Runner<'a> {
         }
     }
 
-    /// The same within a budget, which counts from when it was made.
+    /// Sets the budget of processor time, which counts from its creation.
     #[must_use]
     pub fn within(mut self, budget: Budget) -> Self {
         self.budget = budget;
         self
     }
 
-    /// The processor time that the study may take.
+    /// The budget of processor time of the study.
     pub fn budget(&self) -> &Budget {
         &self.budget
     }
 
-    /// Tells the runs done, all that are known of, and the name of the next.
+    /// Reports progress: number of runs done, their total number so far, and the name of the next.
     pub fn tell(&self, done: usize, total: usize, what: &str) {
         (self.progress)(done, total, what);
     }
 
-    /// Counts the histories of a row that the study keeps to its end: the memory for further runs is less by that.
+    /// Subtracts the memory of a row that the study keeps from the memory for further runs.
     pub fn keeps(&self, row: &Run) {
         let bytes = 8 * numbers_of(row) as u64;
         limits::reserve(bytes);
         self.kept.fetch_add(bytes, Ordering::Relaxed);
     }
 
-    /// The result of a piece of work, if it is finished.
+    /// Returns the result of a piece of work from the journal, if it is finished.
     ///
     /// # Errors
     /// [`JournalError`] when the journal holds something else.
@@ -147,10 +147,10 @@ impl<'a> Runner<'a> {
         Ok(found)
     }
 
-    /// The result of a piece of work, made now unless it is finished.
+    /// Returns the result of a piece of work from the journal, or computes and stores it.
     ///
     /// # Errors
-    /// Those of the work, and [`JournalError`].
+    /// Errors of the work, and [`JournalError`].
     pub fn piece<T, E>(&self, key: Key, make: impl FnOnce() -> Result<T, E>) -> Result<T, E>
     where
         T: Serialize + DeserializeOwned,
@@ -169,11 +169,11 @@ impl<'a> Runner<'a> {
         Ok(made)
     }
 
-    /// The row of a run under a method, made now unless it is finished. After an interruption it is a row that was not
-    /// made, and so is one of a model that cannot run, or in which the program itself fails: no run takes others with it.
+    /// Returns the row of a run under a method from the journal, or computes it. An interruption, a model that cannot
+    /// run and a panic give a row without result, so that other runs continue.
     ///
     /// # Errors
-    /// Those of the work, and [`JournalError`].
+    /// Errors of the work, and [`JournalError`].
     pub fn row<E: From<JournalError> + ModelRefusal>(
         &self,
         key: Key,
@@ -184,10 +184,10 @@ impl<'a> Runner<'a> {
         made.map(|(row, ())| row)
     }
 
-    /// [`Runner::row`] with what the next row needs of it; the default where there is none.
+    /// [`Runner::row`] with data that the next row needs; the default of the type where a row has no result.
     ///
     /// # Errors
-    /// Those of the work, and [`JournalError`].
+    /// Errors of the work, and [`JournalError`].
     pub fn row_with<X, E>(
         &self,
         key: Key,
@@ -215,11 +215,11 @@ impl<'a> Runner<'a> {
         })
     }
 
-    /// What becomes of a run, of whatever type, made now unless it is finished: after an interruption, where its model
-    /// cannot run and where the program itself fails, what `not_made` says of it, which is not kept.
+    /// Returns the result of a run from the journal, or computes it. After an interruption, a model that cannot run or
+    /// a panic it returns the result of `not_made`, which the journal does not store.
     ///
     /// # Errors
-    /// Those of the work, and [`JournalError`].
+    /// Errors of the work, and [`JournalError`].
     pub fn guarded<T, E>(
         &self,
         key: Key,
@@ -243,19 +243,19 @@ impl<'a> Runner<'a> {
     }
 }
 
-/// Why the work of one model was not done.
+/// Reason why the work on one model has no result.
 #[derive(Debug)]
 pub enum NotMade<E> {
     /// The study was interrupted.
     Interrupted,
-    /// The work has an error, of the model or of the study.
+    /// The work ended with an error of the model or of the study.
     Error(E),
-    /// The program itself failed.
+    /// The program panicked during the work.
     Panic(String),
 }
 
 impl<E: ModelRefusal> NotMade<E> {
-    /// Status and message of a row that stands for the work.
+    /// Status and message of the row for work without result.
     ///
     /// # Errors
     /// An error that is not of the model ends the study.
@@ -274,7 +274,7 @@ impl<E: ModelRefusal> NotMade<E> {
     }
 }
 
-/// Does the work of one model, so that neither its errors nor its panics end the work of others.
+/// Runs the work on one model, isolated so that its errors and panics do not end other work.
 ///
 /// # Errors
 /// [`NotMade`].
@@ -289,7 +289,7 @@ pub fn attempt<T, E>(make: impl FnOnce() -> Result<T, E>) -> Result<T, NotMade<E
     }
 }
 
-/// Numbers in the histories of a row.
+/// Size of the histories of a row, in numbers.
 fn numbers_of(row: &Run) -> usize {
     let of_series = |s: &TimeSeries| {
         let force = s.force.as_ref().map_or(0, ForceHistory::len);
@@ -304,7 +304,7 @@ fn numbers_of(row: &Run) -> usize {
     own + whole
 }
 
-/// What a panic says.
+/// The note on a panic, for the row of the run.
 fn failure(panic: &(dyn Any + Send)) -> String {
     let text = (panic.downcast_ref::<&str>().map(|s| (*s).to_owned()))
         .or_else(|| panic.downcast_ref::<String>().cloned());
@@ -348,7 +348,7 @@ mod tests {
         assert_eq!(open().len(), 1);
     }
 
-    /// Of three pieces that are there, a study that needs two goes on after two.
+    /// If a study needs two of three pieces in the journal, it announces two.
     #[test]
     fn only_pieces_that_are_used_are_announced() {
         let folder = tempfile::tempdir().unwrap();

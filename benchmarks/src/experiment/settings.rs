@@ -1,4 +1,4 @@
-//! What a reader must know of a scene, beside the results of a study.
+//! Settings of a scene that a report lists before the results.
 
 use super::shaft_text::{guide_text, shaft_text};
 use crate::scene_file::{ModelChoice, SceneFile, formula_limits};
@@ -10,7 +10,7 @@ use gearbench_models::spec::{
 };
 use gearbench_reports::numbers::short;
 
-/// Overlap of helical teeth, and length of all contact lines over a mesh cycle.
+/// Describes overlap ratio and total length of the contact lines of helical teeth over a mesh cycle.
 fn contact_lines_text(gear: &Body, mate: &Body, distance: f64) -> Option<String> {
     let Body::Gear(gear) = gear else {
         return None;
@@ -27,8 +27,8 @@ fn contact_lines_text(gear: &Body, mate: &Body, distance: f64) -> Option<String>
     })
 }
 
-/// What a reader must know of the scene: geometry, positions, loads, models and where their constants come
-/// from, conventions of the stiffness.
+/// The settings of a scene for the report: geometry, positions, loads, models with the origin of their constants, and
+/// conventions of the stiffness.
 pub fn settings(
     scene: &SceneFile,
     choices: &[&ModelChoice],
@@ -96,7 +96,7 @@ pub fn settings(
     rows
 }
 
-/// How the axis stands and what the hub does beside its own motion.
+/// Describes the direction of the axis and the out-of-plane motion of the hub.
 fn sideways(g: &GearSpec) -> String {
     let mut text = String::new();
     let axis = g.axes[2];
@@ -193,7 +193,7 @@ fn gear_text(g: &GearSpec) -> String {
     )
 }
 
-/// Loads of a gear in words.
+/// Describes the loads of a gear.
 fn loads(g: &GearSpec) -> String {
     let rack = matches!(g.body, Body::Rack(_));
     let (load, damper) = match rack {
@@ -295,7 +295,8 @@ fn model_text(scene: &SceneFile, choice: &ModelChoice) -> String {
     parts.join("; ")
 }
 
-/// The contact that acts: between flank points a penalty per area or none, on lines of action stiffness and law.
+/// Describes the contact: penalty per area or hard contact of flank points, else stiffness and force law along the line
+/// of action.
 fn contact_text(contact: &ContactSpec) -> String {
     let exponent = match contact.exponent {
         1.0 => "linear".into(),

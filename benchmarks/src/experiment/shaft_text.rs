@@ -1,4 +1,4 @@
-//! A shaft and a guide in words, for what a reader must know of a scene.
+//! Descriptions of shafts and guides for the settings of a report.
 
 use gearbench_models::law::FrictionForm;
 use gearbench_models::spec::{
@@ -6,7 +6,7 @@ use gearbench_models::spec::{
 };
 use gearbench_reports::numbers::short;
 
-/// What it carries, and what it is made of.
+/// Describes a shaft: its stations, sections and material.
 pub fn shaft_text(scene: &SceneSpec, shaft: &ShaftSpec) -> String {
     let station = |s: &gearbench_models::spec::Station| {
         let at = short(s.place * 1e3, 4);
@@ -64,7 +64,7 @@ fn section_text(s: &Section) -> String {
     }
 }
 
-/// What holds a hub to the ground along its motion; of a rack, which slides, or of what turns.
+/// Describes the guide of a hub to the ground along its own motion; `slides` for a rack, which translates.
 pub fn guide_text(guide: &Guide, slides: bool) -> String {
     let [force, stiffness, damping, way, speed] = match slides {
         true => ["N", "N/m", "N s/m", "m", "m/s"],

@@ -1,16 +1,17 @@
-//! Histories as records keep them.
+//! Reduction of histories to the size of a record.
 
 use gearbench_reports::record::Run;
 use gearbench_reports::series::TimeSeries;
 
-/// Half width of the close-up around the peak, over the duration.
+/// Half width of the full-resolution window around the peak, relative to the duration.
 const CLOSE_UP: f64 = 0.012;
-/// Buckets of a history in the record.
+/// Number of intervals of a history in the record.
 const KEPT_BUCKETS: usize = 700;
-/// Samples up to which a record keeps the further columns (displacements) as well.
+/// Largest number of samples for which a record keeps further columns (displacements) as well.
 const FULL_COLUMNS: usize = 5000;
 
-/// A history fit for the record: peaks stay, and the surroundings of the highest one stay whole.
+/// Reduces a history for the record: extrema of each interval stay, and the surroundings of the highest peak in full
+/// resolution.
 pub fn thin(series: &TimeSeries) -> TimeSeries {
     let force = &series.contact_force_n;
     let peak = (0..force.len()).max_by(|&a, &b| force[a].total_cmp(&force[b]));
@@ -23,8 +24,8 @@ pub fn thin(series: &TimeSeries) -> TimeSeries {
     thin
 }
 
-/// Leaves in a row the history that its record keeps; the whole one stays for the files of histories, if the row has
-/// them. What metrics were taken from is dropped.
+/// Replaces the history of a row by its reduced form; the full one stays for the files of histories, if the row has
+/// them. The force pieces for metrics are dropped.
 pub fn thin_row(row: &mut Run) {
     let Some(mut whole) = row.series.take() else {
         return;

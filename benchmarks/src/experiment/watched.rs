@@ -1,10 +1,10 @@
-//! A run that one more observer looks at: what that takes is no cost of the method.
+//! A run with one more observer, whose time does not count as cost of the method.
 
 use super::status::RunMonitor;
 use gearbench_integrators::{AcceptedStep, Control, SecondOrderSystem, Sink, State};
 use std::time::{Duration, Instant};
 
-/// The monitor of a run, and whoever else looks at it.
+/// The monitor of a run together with a further observer.
 pub struct Watched<'w> {
     pub monitor: &'w mut RunMonitor,
     pub observer: &'w mut dyn Sink,

@@ -1,4 +1,4 @@
-//! `gearbench fmu SCENE`: a model of a scene as an FMU.
+//! The command `gearbench fmu SCENE`, which packs a model of a scene as an FMU.
 
 use super::arguments::Fmu;
 use super::interface::{Interface, Role};
@@ -17,7 +17,7 @@ fn bad(why: impl Into<String>, help: impl Into<String>) -> Refusal {
     SceneError::plain(why, help).into()
 }
 
-/// Packs the model.
+/// Packs a model of a scene as an FMU and writes the file.
 pub fn run(args: &Fmu) -> Result<Answer, Refusal> {
     let scene = scene_file::load_for(&args.scene, Selection::None)?;
     let choice = choice(args, &scene)?;
@@ -51,7 +51,7 @@ pub fn run(args: &Fmu) -> Result<Answer, Refusal> {
     Ok(Answer::done().with("written", path))
 }
 
-/// The model that is asked for, or the first of the study.
+/// The requested model, or the first of the study.
 fn choice<'a>(args: &Fmu, scene: &'a SceneFile) -> Result<&'a ModelChoice, Refusal> {
     let label = args.model.as_ref().or(scene.study.models.first());
     let choices = scene.select(label.map(String::as_str))?;
@@ -64,7 +64,7 @@ fn choice<'a>(args: &Fmu, scene: &'a SceneFile) -> Result<&'a ModelChoice, Refus
     }
 }
 
-/// The method that is asked for, or the first of the model.
+/// The requested method, or the first of the model.
 fn scheme(args: &Fmu, scene: &SceneFile, choice: &ModelChoice) -> Result<Scheme, Refusal> {
     let own = (choice.integrators.as_deref()).unwrap_or(&scene.study.integrators);
     let found = match &args.method {
@@ -87,7 +87,7 @@ fn library_name() -> String {
     format!("{DLL_PREFIX}gearbench_fmu{DLL_SUFFIX}")
 }
 
-/// The shared library, by its path, or in the folder of this program or in `../lib`.
+/// Reads the shared library from its path, from the folder of this program or from `../lib`.
 fn library(args: &Fmu) -> Result<Vec<u8>, Refusal> {
     let name = library_name();
     let build = format!(
@@ -118,7 +118,7 @@ fn library(args: &Fmu) -> Result<Vec<u8>, Refusal> {
     })
 }
 
-/// Where the library of an installed program may be.
+/// Paths at which the library of an installed program may be.
 fn places(name: &str) -> Vec<PathBuf> {
     let program = std::env::current_exe().ok();
     let folder = program.as_deref().and_then(Path::parent);
@@ -131,7 +131,8 @@ fn places(name: &str) -> Vec<PathBuf> {
     })
 }
 
-/// What a host finds in it.
+/// Describes an interface in one line: number of inputs, outputs and continuous states, and the kinds of FMI that it
+/// supports.
 fn told(all: &Interface) -> String {
     let count = |of: &dyn Fn(&Role) -> bool| {
         let roles = all.variables.iter().map(|v| v.role);

@@ -1,5 +1,5 @@
-//! A scene with the inputs of a host: a load on every hub that is free to move, beside those that the scene has, and a
-//! prescribed motion of every hub that the host moves.
+//! A scene with the inputs of a host: an additional load on every free hub, and a prescribed motion of every hub that
+//! the host moves.
 //!
 //! Added loads are zero until a host sets them, so that the scene by itself runs as it does without a host.
 
@@ -10,37 +10,37 @@ use crate::scene_file::{ModelChoice, SceneError, SceneFile, did_you_mean};
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{Load, Mount, Profile, SceneSpec, StationMember, initial_speed};
 
-/// What an input of a host acts on.
+/// Quantity of the scene on which an input of a host acts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Acts {
-    /// A load of a member, by its place among that member's loads.
+    /// A load of a member, by its index among the loads of the member.
     Load(usize),
-    /// The motion of its hub.
+    /// The prescribed motion of the hub.
     Motion,
 }
 
-/// Where a host acts on a scene.
+/// A member of the scene on which the host acts.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Port {
-    /// Place among the gears of the scene, and the bodies behind them.
+    /// Index of the member: the gears of the scene first, then the bodies.
     pub member: usize,
-    /// Its name.
+    /// Name of the member, as in the scene.
     pub name: String,
-    /// How.
+    /// Load or motion that the inputs set.
     pub acts: Acts,
-    /// It slides: forces and displacements in place of torques and angles.
+    /// True if the member translates: forces and displacements in place of torques and angles.
     pub slides: bool,
-    /// Speed of a moved hub at the start [rad/s] or [m/s].
+    /// Initial speed of a moved hub [rad/s] or [m/s].
     pub speed: f64,
 }
 
-/// A scene and what a host sees of it.
+/// A scene with its ports and the variables of its FMU.
 pub struct Coupled {
-    /// The scene.
+    /// The assembled scene with the added loads.
     pub scene: Scene,
-    /// Where the host acts.
+    /// Ports of the host.
     pub ports: Vec<Port>,
-    /// All variables.
+    /// The variables of the model description.
     pub interface: Interface,
 }
 
@@ -48,7 +48,7 @@ impl Coupled {
     /// Assembles a model of a scene, with hubs that the host moves.
     ///
     /// # Errors
-    /// A gear that is not there or that nobody can move, or what cannot be assembled.
+    /// A gear that does not exist or cannot be moved, or a model that cannot be assembled.
     pub fn assemble(
         file: &SceneFile,
         choice: &ModelChoice,
@@ -125,7 +125,7 @@ fn move_by_host(spec: &mut SceneSpec, name: &str) -> Result<(), SceneError> {
     Ok(())
 }
 
-/// Gives every gear and body that moves freely a load more; its name, and the place of the load.
+/// Adds a load to every free gear and body; returns the name of the member and the index of the load.
 fn load_all(spec: &mut SceneSpec) -> Vec<(String, usize)> {
     let mut loaded = Vec::new();
     let mut add = |name: &str, mount: &Mount, loads: &mut Vec<Load>| {

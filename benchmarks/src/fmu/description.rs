@@ -1,10 +1,10 @@
-//! `modelDescription.xml` of FMI 3.0.1.
+//! The model description of an FMU, `modelDescription.xml` of FMI 3.0.1.
 
 use super::interface::{Interface, Role, Variable};
 use gearbench_integrators::{Resolution, Scheme};
 use std::fmt::Write as _;
 
-/// Units by name: powers of kg, m, s, rad.
+/// Units by name, with the powers of kg, m, s and rad.
 const UNITS: [(&str, [i32; 4]); 7] = [
     ("s", [0, 0, 1, 0]),
     ("rad", [0, 0, 0, 1]),
@@ -15,26 +15,26 @@ const UNITS: [(&str, [i32; 4]); 7] = [
     ("N.m", [1, 2, -2, 0]),
 ];
 
-/// What stands in the head.
+/// Data of the model description that are not variables: names, token, method, default experiment.
 #[derive(Clone, Copy, Debug)]
 pub struct Head<'a> {
-    /// Name of the library inside.
+    /// Name of the shared library in the FMU.
     pub identifier: &'a str,
     /// Name of the scene.
     pub name: &'a str,
-    /// Its title.
+    /// Title of the scene.
     pub title: &'a str,
-    /// Token that the library asks back.
+    /// Instantiation token, which the library verifies.
     pub token: &'a str,
-    /// Method of co-simulation.
+    /// Integration method of co-simulation.
     pub scheme: Scheme,
-    /// Simulated time of the scene [s], and its samples.
+    /// Simulated time of the scene [s].
     pub duration: f64,
-    /// See `duration`.
+    /// Number of samples over `duration`.
     pub samples: usize,
 }
 
-/// A text for an attribute.
+/// Escapes text for an XML attribute.
 fn escaped(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for c in text.chars() {
@@ -50,7 +50,7 @@ fn escaped(text: &str) -> String {
     out
 }
 
-/// The step that a host takes by default [s]: a sample of the scene, in whole steps of the method.
+/// Default communication step of a host [s]: a sampling interval of the scene, in whole steps of the method.
 fn default_step(head: &Head<'_>) -> f64 {
     let sample = head.duration / head.samples.max(1) as f64;
     match head.scheme.resolution {
@@ -59,7 +59,7 @@ fn default_step(head: &Head<'_>) -> f64 {
     }
 }
 
-/// The text of the description.
+/// The text of the model description.
 pub fn text(head: &Head<'_>, all: &Interface) -> String {
     let mut out = String::from("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n");
     let Head {
@@ -121,7 +121,7 @@ pub fn text(head: &Head<'_>, all: &Interface) -> String {
     out
 }
 
-/// One element for every variable of a kind.
+/// Writes one element for every variable of a kind.
 fn list(out: &mut String, element: &str, all: &Interface, of: impl Fn(Role) -> bool) {
     let roles = all.variables.iter().map(|v| v.role).enumerate();
     for (reference, _) in roles.filter(|(_, role)| of(*role)) {
@@ -129,7 +129,7 @@ fn list(out: &mut String, element: &str, all: &Interface, of: impl Fn(Role) -> b
     }
 }
 
-/// The element of a variable.
+/// The XML element of a variable.
 fn element(reference: usize, v: &Variable, all: &Interface) -> String {
     let state_of = |i: usize| {
         let mut roles = all.variables.iter().map(|v| v.role);

@@ -1,4 +1,4 @@
-//! What a host sees of a scene: variables with names, units and roles. A value reference is the place in the list.
+//! FMI variables of a scene with names, units and roles. The value reference of a variable is its index in the list.
 
 use super::coupled::{Acts, Port};
 use gearbench_integrators::SecondOrderSystem;
@@ -6,76 +6,76 @@ use gearbench_models::scene::{Channel, OfGear, OfMesh, Scene};
 use gearbench_models::spec::SceneSpec;
 use gearbench_reference::hash::Hash;
 
-/// Coordinates of a scene up to which its states are variables: beyond it serves co-simulation alone.
+/// Largest number of coordinates for which the states are variables; larger scenes serve co-simulation only.
 const MOST_COORDINATES: usize = 500;
 
-/// What an input sets.
+/// Quantity that an input variable sets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quantity {
-    /// A torque or force.
+    /// Torque [N m] or force [N].
     Load,
-    /// An angle or displacement.
+    /// Angle [rad] or displacement [m].
     Place,
-    /// Its rate.
+    /// Rate of the angle or displacement.
     Speed,
 }
 
-/// What a variable is.
+/// Role of a variable in the FMU.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Role {
-    /// The independent variable.
+    /// The independent variable, time [s].
     Time,
-    /// The parameter that makes inputs at the end of a step count.
+    /// The parameter that enables the inputs for the end of a communication step.
     Interpolate,
-    /// An input, by port: its value at the start of a communication step, or at its end.
+    /// An input of a port, for the start of a communication step or for its end.
     Input {
-        /// Place among the ports.
+        /// Index of the port.
         port: usize,
-        /// What it sets.
+        /// The quantity that the input sets.
         quantity: Quantity,
-        /// At the end of the step.
+        /// True if the input is the value at the end of the communication step.
         end: bool,
     },
-    /// A channel of the scene.
+    /// An output: a channel of the scene, by index.
     Output(usize),
-    /// A state: coordinates, then velocities.
+    /// A continuous state, by index: coordinates, then velocities.
     State(usize),
-    /// Its derivative.
+    /// Time derivative of the state with this index.
     Derivative(usize),
-    /// An event function.
+    /// An event function of the scene, by index; an event indicator in FMI.
     EventFunction(usize),
 }
 
-/// A variable.
+/// A variable of the model description.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Variable {
-    /// Unique name.
+    /// Name, unique within the FMU.
     pub name: String,
-    /// What it is.
+    /// Role of the variable.
     pub role: Role,
-    /// Name of its unit; empty for none.
+    /// Name of the unit; empty if dimensionless.
     pub unit: &'static str,
-    /// One line.
+    /// Description in one line.
     pub description: String,
-    /// Value at the start, of those that can be set.
+    /// Initial value, for variables that can be set.
     pub start: Option<f64>,
 }
 
-/// All variables.
+/// All variables of an FMU and the sizes of its states.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Interface {
-    /// By value reference.
+    /// The variables, in the order of their value references.
     pub variables: Vec<Variable>,
-    /// Continuous states.
+    /// Number of continuous states: twice the coordinates.
     pub states: usize,
-    /// Event functions.
+    /// Number of event functions.
     pub event_functions: usize,
-    /// States and event functions are variables, so that it serves model exchange.
+    /// True if states and event functions are variables, as model exchange requires.
     pub exchanges: bool,
 }
 
 impl Interface {
-    /// That of a scene.
+    /// Builds the variables of a scene whose host acts at `ports`.
     pub fn of(spec: &SceneSpec, scene: &Scene, ports: &[Port]) -> Self {
         let layout = scene.layout();
         let mut all = Interface {
@@ -257,13 +257,13 @@ impl Interface {
         }
     }
 
-    /// The value reference of a variable.
+    /// The value reference of the variable with a name.
     pub fn reference(&self, name: &str) -> Option<u32> {
         let place = self.variables.iter().position(|v| v.name == name)?;
         u32::try_from(place).ok()
     }
 
-    /// A name of the list that two builds of the program have in common only if they number variables alike.
+    /// Hash of the list of variables; two builds of the program agree in it only if they number the variables alike.
     pub fn key(&self) -> String {
         let mut hash = Hash::START;
         for v in &self.variables {
@@ -314,7 +314,7 @@ fn of_gear(what: OfGear, slides: bool) -> (&'static str, &'static str) {
     }
 }
 
-/// A unit as columns end, as a name of the description.
+/// The unit in a model description for the unit suffix of a column.
 fn unit(column: &str) -> &'static str {
     match column {
         "rad_s" => "rad/s",

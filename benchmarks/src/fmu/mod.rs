@@ -1,4 +1,4 @@
-//! A scene as a functional mock-up unit (FMI 3.0): what a host sees of it, and the file that holds it.
+//! Export of a scene as a functional mock-up unit (FMI 3.0).
 //!
 //! One file serves co-simulation and model exchange. It has the description, the scene with all that it reads, and the
 //! shared library of the crate `gearbench-fmu`, which reads the scene again and steps it. Both sides number variables by
@@ -9,8 +9,8 @@
 //! | [`coupled`] | the scene with the inputs of a host: a load on every free hub, a prescribed motion of every moved one |
 //! | [`interface`] | variables, their names, units and roles |
 //! | [`description`] | `modelDescription.xml` |
-//! | [`settings`] | what the library is told beside the scene; opening of unpacked resources |
-//! | [`package`] | the entries of the archive, and the archive |
+//! | [`settings`] | settings of the library in addition to the scene; opening of unpacked resources |
+//! | [`package`] | contents and archive |
 //! | `command` | `gearbench fmu` |
 
 pub mod arguments;

@@ -1,4 +1,4 @@
-//! The entries of an FMU, and the archive that holds them.
+//! Contents and archive of an FMU.
 
 use super::coupled::Coupled;
 use super::description::{self, Head};
@@ -13,12 +13,12 @@ use std::io::{self, Write};
 use std::path::{Component, Path, PathBuf};
 use toml_edit::{DocumentMut, Item, Value};
 
-/// An entry of the archive.
+/// A file within the archive of an FMU.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Entry {
-    /// Path inside.
+    /// Path within the archive.
     pub path: String,
-    /// Contents.
+    /// Content of the file.
     pub bytes: Vec<u8>,
 }
 
@@ -31,22 +31,22 @@ impl Entry {
     }
 }
 
-/// An FMU without its library.
+/// An FMU with its files, before it is compressed.
 #[derive(Clone, Debug)]
 pub struct Package {
-    /// Name of the library inside.
+    /// Name of the shared library in the FMU.
     pub identifier: String,
-    /// Token that hosts hand back.
+    /// Instantiation token, which hosts return to the library.
     pub token: String,
-    /// Description and resources.
+    /// The model description and the resources.
     pub entries: Vec<Entry>,
 }
 
 impl Package {
-    /// That of a model of a scene.
+    /// Packs a model of a scene.
     ///
     /// # Errors
-    /// A scene that cannot be assembled with these inputs, or one that reads files that do not lie beside it.
+    /// A scene that cannot be assembled with these inputs, or that reads files outside its folder.
     pub fn of(
         file: &SceneFile,
         choice: &ModelChoice,
@@ -92,14 +92,14 @@ impl Package {
         })
     }
 
-    /// Adds the library.
+    /// Adds the shared library for the platform of this program.
     pub fn add_library(&mut self, bytes: Vec<u8>) {
         let end = std::env::consts::DLL_EXTENSION;
         let path = format!("binaries/{}/{}.{end}", platform(), self.identifier);
         self.entries.push(Entry::new(path, bytes));
     }
 
-    /// Writes resources and description into a folder, as a host unpacks them.
+    /// Writes the entries into a folder, as a host unpacks them.
     ///
     /// # Errors
     /// When files cannot be written.
@@ -114,7 +114,7 @@ impl Package {
         Ok(())
     }
 
-    /// The archive. Equal entries make equal bytes: it holds no times.
+    /// Compresses the archive. Equal entries give equal bytes, as the archive contains no times.
     ///
     /// # Errors
     /// When an entry cannot be packed.
@@ -146,7 +146,7 @@ pub fn platform() -> String {
     format!("{}-{system}", std::env::consts::ARCH)
 }
 
-/// A name of the scene that is one in C.
+/// Converts the name of a scene to an identifier in C.
 fn identifier(name: &str) -> String {
     let fits = |c: char| if c.is_ascii_alphanumeric() { c } else { '_' };
     let name: String = name.chars().map(fits).collect();
@@ -156,7 +156,7 @@ fn identifier(name: &str) -> String {
     }
 }
 
-/// The text of a scene with one model, and without what only studies read.
+/// The text of a scene with one model, without keys that only studies read.
 fn alone(file: &SceneFile, label: &str) -> Result<String, SceneError> {
     let mut document: DocumentMut = (file.text().parse())
         .map_err(|e: toml_edit::TomlError| SceneError::plain(e.to_string(), "correct the scene"))?;
@@ -173,7 +173,8 @@ fn alone(file: &SceneFile, label: &str) -> Result<String, SceneError> {
     Ok(document.to_string())
 }
 
-/// Fitted constants that the model takes from a calibration of this scene; those of shipped scenes are in the library.
+/// Fitted constants that the model takes from a calibration of this scene; those of shipped scenes are part of the
+/// library.
 fn constants(file: &SceneFile, choice: &ModelChoice) -> Option<Entry> {
     let used = choice.calibration.as_ref()?;
     let constants = used
@@ -187,7 +188,7 @@ fn constants(file: &SceneFile, choice: &ModelChoice) -> Option<Entry> {
     Some(Entry::new(path, calibration.to_toml()))
 }
 
-/// Files that the scene reads, at their places beside it.
+/// Files that the scene reads, with their paths relative to it.
 fn read_files(file: &SceneFile, choice: &ModelChoice) -> Result<Vec<Entry>, SceneError> {
     let Origin::File(scene) = &file.origin else {
         return Ok(Vec::new());

@@ -1,4 +1,4 @@
-//! What the library of an FMU is told beside the scene, and how it opens its resources.
+//! Settings of an FMU that the scene does not contain, and the opening of its resources.
 
 use super::coupled::Coupled;
 use crate::scene_file::{Origin, SceneError, SceneFile};
@@ -7,71 +7,71 @@ use gearbench_reference::hash::Hash;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
-/// The scene among the resources.
+/// Name of the scene file among the resources.
 pub const SCENE: &str = "scene.toml";
-/// Its constants, where scenes look for them.
+/// Name of the calibration file, where scenes expect it.
 pub const CALIBRATION: &str = "scene.calibration.toml";
-/// The settings among the resources.
+/// Name of the settings file among the resources.
 pub const SETTINGS: &str = "fmu.json";
 
-/// What the library of an FMU is told.
+/// Settings of an FMU in addition to its scene: model, integration method, moved hubs.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Settings {
-    /// Version of the program that packed it.
+    /// Version of the program that packed the FMU.
     pub gearbench: String,
     /// Label of the model.
     pub model: String,
-    /// Method of co-simulation.
+    /// Integration method of co-simulation.
     pub method: MethodSpec,
-    /// Its step [s]; else it runs under `rtol`.
+    /// Step of the method [s]; `None` if it runs at `rtol`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub step_s: Option<f64>,
-    /// Its tolerance.
+    /// Relative tolerance of the method.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rtol: Option<f64>,
-    /// Contact events are located.
+    /// True if contact events are located.
     pub events: bool,
     /// Gears whose hubs the host moves.
     pub moved: Vec<String>,
-    /// [`Interface::key`](super::interface::Interface::key) of the description.
+    /// Hash of the variables, [`Interface::key`](super::interface::Interface::key).
     pub interface: String,
 }
 
-/// Why resources cannot be opened.
+/// Reason why the resources of an FMU cannot be opened.
 #[derive(Debug, thiserror::Error)]
 pub enum OpenError {
     /// A file cannot be read.
     #[error("{path}: {error}; the resources of an FMU have to be unpacked without changes")]
     Read {
-        /// Which.
+        /// Path of the file.
         path: String,
-        /// Why.
+        /// The error of the operating system.
         error: std::io::Error,
     },
-    /// The settings are none.
+    /// The settings cannot be parsed.
     #[error("{SETTINGS}: {0}; pack the FMU again with `gearbench fmu`")]
     Settings(#[from] serde_json::Error),
-    /// The scene is none.
+    /// The scene cannot be read.
     #[error("{}", .0.told())]
     Scene(#[from] SceneError),
-    /// Somebody changed it.
+    /// The resources differ from the packed ones.
     #[error("{0}; pack the FMU again with `gearbench fmu`")]
     Changed(String),
 }
 
-/// A scene from the resources of an FMU.
+/// A scene that is opened from the resources of an FMU.
 pub struct Opened {
-    /// The scene and its inputs.
+    /// The scene with its ports and variables.
     pub coupled: Coupled,
-    /// Method of co-simulation.
+    /// Integration method of co-simulation with its step or tolerance.
     pub scheme: Scheme,
-    /// Contact events are located.
+    /// True if contact events are located.
     pub events: bool,
 }
 
 impl Settings {
-    /// The method with its resolution.
+    /// The method with its step or tolerance; `None` if the settings do not have exactly one of them.
     pub fn scheme(&self) -> Option<Scheme> {
         let resolution = match (self.step_s, self.rtol) {
             (Some(h), None) => Resolution::Step(h),
@@ -81,13 +81,13 @@ impl Settings {
         Some(self.method.at(resolution))
     }
 
-    /// The text among the resources.
+    /// The text of the settings file.
     pub fn text(&self) -> String {
         // Numbers and texts alone: nothing that JSON lacks.
         serde_json::to_string_pretty(self).unwrap_or_default()
     }
 
-    /// What ties a description to resources: a host hands it back.
+    /// The instantiation token: a hash of settings and scene that ties the model description to the resources.
     pub fn token(settings: &str, scene: &str) -> String {
         let mut hash = Hash::START;
         hash.text(settings);
@@ -99,7 +99,7 @@ impl Settings {
 /// Opens the resources of an FMU.
 ///
 /// # Errors
-/// What is missing, was changed, or comes from another version.
+/// A resource is missing, was changed, or comes from another version.
 pub fn open(resources: &Path, token: &str) -> Result<Opened, OpenError> {
     let read = |name: &str| {
         let path = resources.join(name);

@@ -1,4 +1,4 @@
-//! `calibration` of a model: whose fitted constants it takes.
+//! The key `calibration` of a model: the set of fitted constants that it uses.
 
 use super::calibration::{Calibration, Constants, FittedTo, of_gear};
 use super::error::SceneError;
@@ -19,7 +19,7 @@ keys! {
     }
 }
 
-/// Its own calibration, or that of another scene or label.
+/// Calibration of the model itself, or of another scene or label.
 #[derive(Clone, Debug, Deserialize)]
 pub(super) enum CalibrationChoice {
     #[serde(rename = "<text>")]
@@ -28,29 +28,29 @@ pub(super) enum CalibrationChoice {
     Other(CalibrationKeys),
 }
 
-/// A calibration asked for by a model.
+/// The calibration that a model uses.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CalibrationUse {
-    /// `impact`, `static` or `running`.
+    /// Name of the calibration: `impact`, `static` or `running`.
     pub name: String,
-    /// Scene it was fitted in.
+    /// Name of the scene in which the constants were fitted.
     pub scene: String,
-    /// Label there.
+    /// Label of the model in that scene.
     pub label: String,
-    /// The constants that were applied; `None` when the scene was loaded without calibrations.
+    /// Constants that were applied; `None` if the scene was loaded without calibrations.
     pub constants: Option<Constants>,
-    /// The constants that are stored under this name, whether they were applied or not.
+    /// Constants stored under this name, applied or not.
     pub stored: Option<Constants>,
 }
 
 impl CalibrationUse {
-    /// What it was fitted to.
+    /// The kind of data to which the constants were fitted.
     pub fn fitted_to(&self) -> FittedTo {
         FittedTo::named(&self.name).unwrap_or_default()
     }
 }
 
-/// Finds the calibrations of a scene by its name, if there are any.
+/// Callback that finds the calibrations of a scene by its name.
 pub(super) type FindCalibration<'a> = dyn Fn(&str) -> Result<Option<Calibration>, SceneError> + 'a;
 
 /// Finds the constants for the model with a label.

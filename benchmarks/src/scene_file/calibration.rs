@@ -1,8 +1,8 @@
-//! Calibrations: constants of models fitted to a reference, kept in generated files.
+//! Calibrations: constants of models that were fitted to a reference, in generated files.
 //!
-//! `gearbench identify SCENE --write` writes them, a model with `calibration = "impact"` reads them; they
-//! are never typed in. What they were fitted to says what they hold for ([`FittedTo`]). A file has a header of comments (command, fit figures) and one table per calibration
-//! and model label:
+//! `gearbench identify SCENE --write` writes them, and a model with `calibration = "impact"` reads them; they are never
+//! written by hand. The data of the fit determine their range of validity ([`FittedTo`]). A file has a header of
+//! comments (command, errors of the fit) and one table per calibration and model label:
 //!
 //! ```toml
 //! [impact.movable-teeth]
@@ -15,8 +15,8 @@
 //! pinion.tooth_mass_kg = 4e-3      # that of one gear, in the place of what all have
 //! ```
 //!
-//! Shipped scenes have theirs embedded (`benchmarks/calibrations/NAME.toml`); a scene file of one's own has
-//! it beside itself, as `NAME.calibration.toml`.
+//! Calibrations of shipped scenes are embedded (`benchmarks/calibrations/NAME.toml`); a scene file of the user has its
+//! calibrations next to it, as `NAME.calibration.toml`.
 
 use super::error::SceneError;
 use super::reading::values::InOrder;
@@ -28,20 +28,20 @@ use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
-/// What constants were fitted to: the name of a calibration, and what it holds for.
+/// Kind of data to which constants were fitted; it is the name of a calibration.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum FittedTo {
-    /// The force history of one impact.
+    /// Fitted to the force history of one impact.
     #[default]
     Impact,
-    /// The static compliance of finite elements over a mesh cycle.
+    /// Fitted to the static compliance of finite elements over a mesh cycle.
     Static,
-    /// Both at once.
+    /// The force history and the static compliance together.
     Running,
 }
 
 impl FittedTo {
-    /// All.
+    /// All kinds, in the order of the documentation.
     pub const ALL: [FittedTo; 3] = [FittedTo::Impact, FittedTo::Static, FittedTo::Running];
 
     /// The name in files and on the command line.
@@ -53,12 +53,12 @@ impl FittedTo {
         }
     }
 
-    /// That with a name.
+    /// Returns the kind with a name.
     pub fn named(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|f| f.as_str() == name)
     }
 
-    /// What the constants hold for, in words.
+    /// The range of validity of the constants, in words.
     pub fn holds_for(self) -> &'static str {
         match self {
             FittedTo::Impact => {
@@ -73,18 +73,18 @@ impl FittedTo {
         }
     }
 
-    /// Whether the force history of the scene's reference took part.
+    /// True if the fit includes the force history of the scene's reference.
     pub fn to_history(self) -> bool {
         self != FittedTo::Static
     }
 
-    /// Whether the static compliance took part.
+    /// True if the fit includes the static compliance.
     pub fn to_statics(self) -> bool {
         self != FittedTo::Impact
     }
 }
 
-/// The names a calibration can have.
+/// Valid names of calibrations.
 pub(super) const NAMES: [&str; 3] = [
     FittedTo::Impact.as_str(),
     FittedTo::Static.as_str(),
@@ -100,11 +100,11 @@ pub struct Constants {
     pub damping: Option<f64>,
     /// Gap at the start of the first mesh [m].
     pub gap: Option<f64>,
-    /// Slope of the stiffness along the path, see [`PairStiffness::Parabola`].
+    /// Slope of the stiffness along the path of contact, see [`PairStiffness::Parabola`].
     pub slope: Option<f64>,
-    /// Curvature of it.
+    /// Curvature of the stiffness along the path, see [`PairStiffness::Parabola`].
     pub curvature: Option<f64>,
-    /// Parameters of the gear model by key, in SI units; `GEAR.KEY` is that of one gear, see [`of_gear`].
+    /// Parameters of the gear model by key, in SI units; the key `GEAR.KEY` is that of one gear, see [`of_gear`].
     pub parameters: BTreeMap<String, f64>,
 }
 
@@ -120,7 +120,7 @@ pub const SLOPE: &str = "path_slope";
 /// Key of [`Constants::curvature`].
 pub const CURVATURE: &str = "path_curvature";
 
-/// The gear that a key is about, if it is about one, and the key of its model's parameter.
+/// Splits a key into the name of a gear, if it has one, and the key of the model parameter.
 pub fn of_gear(key: &str) -> (Option<&str>, &str) {
     match key.rsplit_once('.') {
         Some((gear, key)) => (Some(gear), key),
@@ -128,11 +128,11 @@ pub fn of_gear(key: &str) -> (Option<&str>, &str) {
     }
 }
 
-/// The end of the keys of dampers.
+/// Suffix of the keys of dashpots.
 const DAMPER: &str = "_ns_per_m";
 
 impl Constants {
-    /// Constants by their keys.
+    /// Collects constants from their keys and values.
     pub fn of<'k>(values: impl IntoIterator<Item = (&'k str, f64)>) -> Self {
         let mut constants = Constants::default();
         for (key, x) in values {
@@ -150,7 +150,7 @@ impl Constants {
         constants
     }
 
-    /// All by their keys.
+    /// The constants with their keys.
     pub fn by_key(&self) -> Vec<(String, f64)> {
         let own = [
             (STIFFNESS, self.stiffness),
@@ -166,15 +166,15 @@ impl Constants {
         own.chain(parameters).collect()
     }
 
-    /// Those of `older` that these lack.
+    /// Adds the constants of `older` that these do not contain.
     #[must_use]
     pub fn beside(&self, older: &Constants) -> Constants {
         let all = [older.by_key(), self.by_key()].concat();
         Constants::of(all.iter().map(|(key, x)| (key.as_str(), *x)))
     }
 
-    /// Puts them in place of what a scene gives its contacts and the gears that take a model; the gap is the scene's.
-    /// `names` are those of the gears. A stiffness stays that of a pair or of the mesh, as it was.
+    /// Replaces the values of the scene in contacts and in gears with the model, except for the gap. `names` are those
+    /// of the gears. A stiffness of a pair stays one of a pair, a stiffness of the mesh one of the mesh.
     pub fn apply(&self, model: &str, names: &[&str], modelling: &mut Modelling) {
         for contact in &mut modelling.contacts {
             self.stiffen(&mut contact.stiffness);
@@ -197,7 +197,7 @@ impl Constants {
         }
     }
 
-    /// The stiffness of a contact with these: constant, or a parabola where its course along the path is known.
+    /// Replaces the stiffness of a contact: constant, or a parabola if slope and curvature are known.
     fn stiffen(&self, stiffness: &mut PairStiffness) {
         let (before, course, of) = match *stiffness {
             PairStiffness::Constant { per_width, of } => (Some(per_width), [0.0; 2], of),
@@ -229,14 +229,14 @@ impl Constants {
     }
 }
 
-/// The content of a calibration file.
+/// Contents of a calibration file.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Calibration {
     /// Constants by calibration name and model label.
     pub sets: BTreeMap<String, BTreeMap<String, Constants>>,
 }
 
-/// A constant, or those of one gear.
+/// A constant for all gears, or constants by gear.
 #[derive(Clone, Debug, Deserialize)]
 pub(super) enum OneOrOfGear {
     #[serde(rename = "<number>")]
@@ -248,7 +248,7 @@ pub(super) enum OneOrOfGear {
 /// Tables of constants by name of the calibration and label of the model.
 pub(super) type Sets = InOrder<InOrder<InOrder<OneOrOfGear>>>;
 
-/// Flat, with the place of each.
+/// Flattens nested constants to keys with their places in the file.
 fn flat<'a>(values: InOrder<OneOrOfGear>, at: &Place<'a>) -> Vec<(String, f64, Place<'a>)> {
     let of = |(key, value): (String, OneOrOfGear)| match value {
         OneOrOfGear::One(x) => {
@@ -274,10 +274,10 @@ impl Calibration {
         Self::of(sets, &document.at(""))
     }
 
-    /// Reads its tables, which stand at a place.
+    /// Reads the tables of constants at a place of a file.
     ///
     /// # Errors
-    /// [`SceneError`] at a name that is none, or a constant that is not positive.
+    /// [`SceneError`] at an unknown name, or a constant that is not positive.
     pub(super) fn of(sets: Sets, at: &Place<'_>) -> Result<Self, SceneError> {
         let mut calibration = Calibration::default();
         for (set, labels) in sets.0 {
@@ -312,12 +312,12 @@ impl Calibration {
         Ok(calibration)
     }
 
-    /// Constants of a label.
+    /// The constants of a label.
     pub fn get(&self, name: &str, label: &str) -> Option<&Constants> {
         self.sets.get(name)?.get(label)
     }
 
-    /// These constants, and those of another calibration for models that have none here.
+    /// Adds the constants of another calibration for models that have none here.
     #[must_use]
     pub(super) fn or(mut self, other: &Calibration) -> Calibration {
         for (name, labels) in &other.sets {
@@ -330,7 +330,7 @@ impl Calibration {
         self
     }
 
-    /// Its tables as TOML; numbers keep every digit.
+    /// The calibration as TOML; numbers keep all digits.
     pub fn to_toml(&self) -> String {
         let key = |name: &str| toml_edit::Key::new(name).display_repr().into_owned();
         let mut text = String::new();

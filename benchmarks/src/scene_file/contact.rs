@@ -1,4 +1,4 @@
-//! `contact = { .. }` of a model: stiffness along the path, law, damping, friction, slices.
+//! The key `contact` of a model: stiffness along the path, force law, damping, friction, slices.
 //!
 //! ```toml
 //! contact = { stiffness = { kind = "constant", stiffness_n_per_m2 = 1.4e10 }, damping = { law = "flores", e = 0.9 } }
@@ -126,7 +126,7 @@ impl From<&DampingKeys> for Damping {
     }
 }
 
-/// Checks a contact. The stiffness may be left out when a calibration brings it.
+/// Checks a contact. The stiffness may be missing if a calibration supplies it.
 pub(super) fn contact(
     keys: &ContactKeys,
     calibrated: bool,
@@ -159,7 +159,7 @@ fn mineral() -> f64 {
     1.0
 }
 
-/// Friction from its keys, of which one stands for the coefficient and one for the form.
+/// Reads friction; one key selects the coefficient and one the form of the law.
 fn friction(keys: &FrictionKeys, at: &Place<'_>) -> Result<Friction, SceneError> {
     let error =
         |cause: String, help: String| at.key("friction").error(cause, "this friction", help);
@@ -203,7 +203,8 @@ fn friction(keys: &FrictionKeys, at: &Place<'_>) -> Result<Friction, SceneError>
     })
 }
 
-/// Law and damping as the model will build them; a ratio stands for a coefficient that is not known yet.
+/// Checks law and damping as the model will build them; for a damping ratio a placeholder coefficient is used, as the
+/// true one is unknown yet.
 fn check_law(exponent: f64, damping: Damping, at: &Place<'_>) -> Result<(), SceneError> {
     let result = damping
         .resolved(exponent, 1.0, 1.0)

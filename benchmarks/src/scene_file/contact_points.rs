@@ -1,4 +1,4 @@
-//! The keys of `contact = { .. }` for models that touch with the points of their flanks.
+//! The keys of `contact` for models with contact at points of their flanks.
 
 use super::contact::ContactKeys;
 use super::error::SceneError;
@@ -9,7 +9,7 @@ use gearbench_models::error::Reason;
 use gearbench_models::spec::{LocalContact, MAX_POINTS, PointContact, PointRule};
 use serde::Deserialize;
 
-/// Keys that only flank points have.
+/// Keys that are valid for flank points only.
 const OF_POINTS: [&str; 6] = [
     "law",
     "points",
@@ -26,7 +26,7 @@ pub(super) enum PointLaw {
     Hard,
 }
 
-/// The points of a face.
+/// Contact points of an element face.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub(super) enum PointsChoice {
@@ -46,7 +46,7 @@ keys! {
     }
 }
 
-/// The contact of flank points; none without a penalty.
+/// Reads the contact of flank points; `None` without a penalty.
 pub(super) fn points(
     keys: &ContactKeys,
     at: &Place<'_>,
@@ -97,7 +97,7 @@ pub(super) fn points(
     }
 }
 
-/// Contact on half-spaces, which has nothing to choose.
+/// Contact of elastic half-spaces, which has no options.
 fn half_space(at: &Place<'_>) -> Result<PointContact, SceneError> {
     let mut others = OF_POINTS
         .into_iter()
@@ -112,7 +112,7 @@ fn half_space(at: &Place<'_>) -> Result<PointContact, SceneError> {
     }
 }
 
-/// The points of a penalty law.
+/// Reads the point rule of a penalty law.
 fn rule(keys: &ContactKeys, at: &Place<'_>) -> Result<PointRule, SceneError> {
     Ok(match &keys.points {
         None | Some(PointsChoice::Quadrature) => PointRule::default(),
@@ -131,7 +131,7 @@ fn rule(keys: &ContactKeys, at: &Place<'_>) -> Result<PointRule, SceneError> {
     })
 }
 
-/// The same penalty at every node.
+/// Contact with the same penalty at every node [N/m].
 fn per_node(penalty: f64, keys: &ContactKeys, at: &Place<'_>) -> Result<PointContact, SceneError> {
     match rule(keys, at)? {
         PointRule::Nodes => Ok(PointContact {
@@ -146,7 +146,7 @@ fn per_node(penalty: f64, keys: &ContactKeys, at: &Place<'_>) -> Result<PointCon
     }
 }
 
-/// Contact without a penalty.
+/// Hard contact, without a penalty.
 fn hard(keys: &ContactKeys, at: &Place<'_>) -> Result<PointContact, SceneError> {
     let penalties = ["penalty_pa_per_m", "penalty_n_per_m"];
     if let Some(key) = penalties.into_iter().find(|key| at.has(key)) {

@@ -1,4 +1,4 @@
-//! `deviations` of a gear: a class of ISO 1328-1 with a seed, or what was measured.
+//! The key `deviations` of a gear: a tolerance class of ISO 1328-1 with a seed, or measured values.
 //!
 //! ```toml
 //! deviations = { class = 6, seed = 1 }

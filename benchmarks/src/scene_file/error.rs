@@ -1,20 +1,20 @@
-//! Refusals of scene files: what is wrong, the place in the file, and a way out.
+//! Errors in scene files: message, place in the file, and help.
 
 use miette::{Diagnostic, LabeledSpan, NamedSource};
 use std::ops::Range;
 use std::sync::Arc;
 
-/// Remarks on a file that a refusal repeats.
+/// Largest number of warnings that an error repeats.
 const MOST_REMARKS: usize = 3;
 
-/// Why a scene is refused. Rendered by `miette` it shows file, line and help.
+/// Error in a scene file. `miette` renders it with file, line and help.
 #[derive(Clone, Debug, thiserror::Error, Diagnostic)]
 #[error("{message}")]
 pub struct SceneError {
     message: String,
     #[help]
     help: Option<String>,
-    /// The first one is the one whose line stands in the heading.
+    /// Labelled places; the line of the first one is part of the heading.
     #[label(collection)]
     labels: Vec<LabeledSpan>,
     #[source_code]
@@ -22,7 +22,7 @@ pub struct SceneError {
 }
 
 impl SceneError {
-    /// An error without a place in a file.
+    /// Creates an error without a place in a file.
     pub fn plain(message: impl Into<String>, help: impl Into<String>) -> Self {
         SceneError {
             message: message.into(),
@@ -32,7 +32,7 @@ impl SceneError {
         }
     }
 
-    /// Several errors as one: the first with its place, the others in its help, a line each.
+    /// Combines several errors: the first with its place, the others as lines of its help.
     pub fn all_of(errors: impl IntoIterator<Item = SceneError>) -> Self {
         let mut errors = errors.into_iter();
         let Some(mut first) = errors.next() else {
@@ -49,17 +49,17 @@ impl SceneError {
         first
     }
 
-    /// What is wrong.
+    /// The message, without place and help.
     pub fn message(&self) -> &str {
         &self.message
     }
 
-    /// The way out.
+    /// The help: how to correct the file.
     pub fn help_text(&self) -> Option<&str> {
         self.help.as_deref()
     }
 
-    /// In one line, with its place: file and line, what, and the way out.
+    /// Formats the error in one line: file and line, message, help.
     pub fn told(&self) -> String {
         let place = match (&self.source_code, self.line()) {
             (Some(source), Some(line)) => format!("{}:{line}: ", source.name()),
@@ -72,7 +72,7 @@ impl SceneError {
         format!("{place}{}{help}", self.message)
     }
 
-    /// Line (from 1) of the first label, if the error has a place.
+    /// Line of the first label, from 1, if the error has a place.
     pub fn line(&self) -> Option<usize> {
         let text = self.source_code.as_ref()?.inner();
         let start = self.labels.first()?.offset().min(text.len());
@@ -80,7 +80,8 @@ impl SceneError {
         Some(breaks.count() + 1)
     }
 
-    /// The same with what is odd about the file, which may be the cause: the remark about the same line, else all.
+    /// Adds the warnings about the file to the help, as they may be the cause: those about the same line, else the
+    /// first ones.
     #[must_use]
     pub(super) fn with_remarks(mut self, odd: &[SceneError]) -> Self {
         let own = self.line();
@@ -108,7 +109,7 @@ impl SceneError {
         format!("{line}{help}")
     }
 
-    /// A further label.
+    /// Adds a label at a further place of the file.
     pub(super) fn and(mut self, span: Range<usize>, label: impl Into<String>) -> Self {
         if let Some(source) = &self.source_code {
             let span = inside(span, source.inner());
@@ -119,7 +120,7 @@ impl SceneError {
     }
 }
 
-/// A file being read: its name and text, and the source of errors about it.
+/// A file that is read, as origin of errors: name and text.
 #[derive(Clone, Debug)]
 pub(super) struct Source {
     named: Arc<NamedSource<String>>,
@@ -140,7 +141,7 @@ impl Source {
         self.named.inner()
     }
 
-    /// An error at a place: what is wrong, what the label says, the way out.
+    /// Creates an error at a place, with message, label and help.
     pub(super) fn error(
         &self,
         span: Range<usize>,
@@ -159,7 +160,7 @@ impl Source {
     }
 }
 
-/// The span, cut to the text and to its first line: a label over a whole table hides more than it shows.
+/// Cuts a span to the text and to its first line, as a label over a whole table is hard to read.
 fn inside(span: Range<usize>, text: &str) -> Range<usize> {
     let start = span.start.min(text.len());
     let end = span.end.clamp(start, text.len());

@@ -1,10 +1,10 @@
-//! Ranges of the stiffness formulas, and where a scene leaves them.
+//! Validity ranges of the stiffness formulas, and warnings where a scene leaves them.
 
 use super::{ModelChoice, SceneError, SceneFile};
 use gearbench_models::spec::{Body, ContactSpec, SceneSpec, mesh_layout};
 use gearbench_models::stiffness::build_with_warnings;
 
-/// Limits of the stiffness formulas of a contact that the gears of its mesh do not keep, in words.
+/// Warnings on the limits of the stiffness formulas that the gears of a mesh exceed.
 pub(crate) fn formula_limits(
     spec: &SceneSpec,
     gears: [usize; 2],
@@ -24,7 +24,8 @@ pub(crate) fn formula_limits(
 }
 
 impl SceneFile {
-    /// The same of all meshes of a model, each at the line of its contact. Flank points have no formula.
+    /// Warnings on the limits of the stiffness formulas for all meshes of a model, each at the line of its contact.
+    /// Flank points have no formula.
     pub(super) fn outside_formulas(&self, choice: &ModelChoice) -> Vec<SceneError> {
         let spec = self.spec_for(choice);
         let index = self.models.iter().position(|m| m.label == choice.label);

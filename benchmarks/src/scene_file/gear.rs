@@ -1,4 +1,4 @@
-//! `[gears.NAME]`: toothing, material, hub, mount, speed, loads.
+//! The table `[gears.NAME]`: toothing, material, hub, mount, speed, loads.
 
 mod params;
 
@@ -21,7 +21,7 @@ use gearbench_models::spec::{Body, GearSpec, Guide, Load, Mount, UPRIGHT};
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
 
-/// A gear or a rack of the file.
+/// Keys of a gear or of a rack.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(rename = "<kind=gear>", rename_all = "kebab-case")]
 pub(super) enum ToothedKeys {
@@ -189,7 +189,7 @@ keys! {
     }
 }
 
-/// A gear as read, before the meshes have placed it.
+/// A gear of the file before the meshes determine its position.
 #[derive(Clone, Debug)]
 pub(super) struct GearDraft {
     pub(super) spec: GearSpec,
@@ -201,14 +201,14 @@ pub(super) struct GearDraft {
     pub(super) misalignment: Option<MisalignmentKeys>,
     /// Facing of a rack given in the file [rad].
     pub(super) facing: Option<f64>,
-    /// Files that its measured flanks were read from.
+    /// Files from which measured flanks were read.
     pub(super) files: Vec<PathBuf>,
 }
 
-/// What gears and racks have in common.
+/// Keys that gears and racks share: mount, speed, inertia, position, loads.
 struct Hub {
     mount: (Mount, Option<Guide>),
-    /// Initial speed, its key and its value.
+    /// Key of the initial speed, and its value.
     speed: (&'static str, Option<f64>),
     inertia: Option<Positive>,
     added_inertia: Option<NotNegative>,
@@ -218,12 +218,12 @@ struct Hub {
     misalignment: Option<MisalignmentKeys>,
     facing: Option<Degrees>,
     lateral: LateralKeys,
-    /// Direction of its own motion among the six.
+    /// Index of the own motion among the six directions of the hub.
     own: usize,
     loads: Vec<Load>,
 }
 
-/// Checks the name of a gear: it becomes that of columns and of variables of FMUs.
+/// Checks the name of a gear, which is also part of the names of columns and FMU variables.
 pub(super) fn check_name(name: &str, at: &Place<'_>) -> Result<(), SceneError> {
     if !name.trim().is_empty() && name.len() <= 60 && !name.chars().any(char::is_control) {
         return Ok(());
@@ -352,7 +352,7 @@ pub(super) fn gear(
     })
 }
 
-/// A unit vector.
+/// Normalises a given axis; refuses the zero vector.
 fn axis(given: Option<[f64; 3]>, at: &Place<'_>) -> Result<Option<Vec3>, SceneError> {
     let Some(given) = given else {
         return Ok(None);
@@ -368,7 +368,7 @@ fn axis(given: Option<[f64; 3]>, at: &Place<'_>) -> Result<Option<Vec3>, SceneEr
     Ok(Some(Vec3::from(given) / length))
 }
 
-/// An initial speed, which only a free hub has.
+/// Reads an initial speed, which only a free hub has.
 pub(super) fn initial_speed(
     speed: Option<f64>,
     mount: &Mount,

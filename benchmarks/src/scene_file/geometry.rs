@@ -1,11 +1,11 @@
-//! Refusals of the geometry, at the keys that cause them.
+//! Errors of the gear geometry, at the keys that cause them.
 
 use super::error::SceneError;
 use super::reading::Place;
 use gearbench_models::error::Reason;
 use gearbench_models::geometry::{GeometryError, InternalError, Quantity};
 
-/// A refusal of the geometry at the key that causes it.
+/// Converts an error of the geometry to one at the key that causes it.
 pub(super) fn geometry(at: &Place<'_>, e: &GeometryError) -> SceneError {
     let Reason { cause, help } = e.reason();
     let message = format!("{}: {cause}", at.header());

@@ -1,5 +1,4 @@
-//! How the hub of a gear may move beside its own turn or slide: `bearing`, `directions`, the body's mass and inertia, and the
-//! direction of its axis.
+//! Out-of-plane motion of a hub: `bearing`, `directions`, mass and inertia of the body, and the direction of its axis.
 //!
 //! ```toml
 //! bearing = { stiffness = [1e8, 1e8, 5e7, 1e5, 1e5, 0.0], damping = [1e3, 1e3, 1e3, 1.0, 1.0, 0.0] }
@@ -62,7 +61,7 @@ keys! {
 
 macro_rules! freedoms {
     ($($name:ident: $motion:ident;)*) => { $(
-        /// What becomes of a direction.
+        /// Freedom of one out-of-plane direction of the hub: held, free or driven.
         #[derive(Clone, Debug, serde::Deserialize)]
         #[serde(rename_all = "kebab-case")]
         pub(super) enum $name {
@@ -92,7 +91,7 @@ freedoms! {
     Tilt: Turning;
 }
 
-/// `[x, y]`, or `[x, y, z]` [m].
+/// Position of a gear: `[x, y]`, or `[x, y, z]` [m].
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Position(pub(super) [f64; 3]);
 
@@ -109,7 +108,7 @@ impl<'de> Deserialize<'de> for Position {
     }
 }
 
-/// Whether spin terms act.
+/// Choice of the gyroscopic (spin) terms of a gear.
 #[derive(Clone, Copy, Debug, Default, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub(super) enum Spin {
@@ -119,7 +118,8 @@ pub(super) enum Spin {
     Off,
 }
 
-/// The axis of a gear after its misalignment; `line` is the direction of the line of action of left flanks towards the mate.
+/// Returns the axis of a gear with its misalignment; `line` is the direction of the line of action of left flanks
+/// towards the mate.
 pub(super) fn misaligned(
     axis: Vec3,
     line: Vec3,
@@ -160,7 +160,7 @@ pub(super) fn misaligned(
     Ok(tilted)
 }
 
-/// What a gear says of its lateral motion.
+/// Out-of-plane keys of a gear: bearing, freedoms, mass and inertia.
 pub(super) struct LateralKeys {
     pub(super) bearing: Option<BearingKeys>,
     pub(super) directions: Option<DirectionKeys>,
@@ -171,7 +171,7 @@ pub(super) struct LateralKeys {
     pub(super) spin: Option<Spin>,
 }
 
-/// One of six values or of a matrix.
+/// Reads a matrix from six diagonal values or from all values.
 fn matrix(
     key: &str,
     (values, matrix): (Option<[f64; 6]>, Option<[[f64; 6]; 6]>),
@@ -194,7 +194,7 @@ fn matrix(
     }
 }
 
-/// How a hub may move; `None` where its mount holds it as ever. `own` is the direction of its own motion.
+/// Reads the out-of-plane motion of a hub; `None` if its mount fixes all directions but its own motion (index `own`).
 pub(super) fn lateral(
     keys: LateralKeys,
     own: usize,

@@ -1,4 +1,4 @@
-//! Scenes by name or path, and the calibrations beside them.
+//! Loading of scenes by name or path, with their calibrations.
 
 use super::reading::suggest;
 use super::shipped::{self, SHIPPED};
@@ -12,35 +12,34 @@ use gearbench_reports::RECORD;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
-/// Scene files of a folder that a refusal names.
+/// Largest number of scene files of a folder that a refusal lists.
 const MOST_NAMED: usize = 3;
 
 /// Loads a shipped scene by name, or a file by path (ends in `.toml` or has a folder).
 ///
 /// # Errors
-/// [`SceneError`] with file, line and a way out.
+/// [`SceneError`] with file, line and help.
 pub fn load(path_or_name: &str) -> Result<SceneFile, SceneError> {
     load_for(path_or_name, Selection::All)
 }
 
-/// Which models of a scene are wanted: the others are read, but not built, which takes seconds where finite elements
-/// are to be reduced.
+/// Models of a scene to build. The others are read only, as the reduction of finite elements takes seconds.
 #[derive(Clone, Copy, Debug)]
 pub enum Selection<'a> {
-    /// All.
+    /// Builds all models of the scene.
     All,
-    /// As [`SceneFile::select`] takes them.
+    /// Builds the models that [`SceneFile::select`] returns.
     Labels(Option<&'a str>),
-    /// None yet: who builds them later says what is wrong with them.
+    /// Builds no model: later building reports their errors.
     None,
-    /// As [`SceneFile::select_precision`] takes them.
+    /// Builds the models that [`SceneFile::select_precision`] returns.
     Precision(Option<&'a str>),
 }
 
-/// As [`load`], but builds only the models that are wanted.
+/// Loads a scene as [`load`] does, but builds only the selected models.
 ///
 /// # Errors
-/// [`SceneError`] with file, line and a way out, also for labels that the scene does not have.
+/// [`SceneError`] with file, line and help, also for labels that the scene does not have.
 pub fn load_for(path_or_name: &str, selection: Selection<'_>) -> Result<SceneFile, SceneError> {
     load_with(path_or_name, selection, true)
 }
@@ -66,8 +65,8 @@ fn load_with(
 }
 
 impl SceneFile {
-    /// Builds models that were not built when the scene was loaded, as [`SceneFile::select`] takes them, and warns of those
-    /// that cannot run it.
+    /// Builds models that were not built with the scene, selected as by [`SceneFile::select`], and warns of those that
+    /// cannot run it.
     ///
     /// # Errors
     /// [`SceneError`] when a value is wrong, and when none of them can run.
@@ -96,11 +95,11 @@ impl SceneFile {
     }
 }
 
-/// Loads a scene without applying calibrations: models keep the constants that the scene gives, which is
-/// where an identification starts.
+/// Loads a scene without applying calibrations: the models have the constants of the scene, at which an identification
+/// starts.
 ///
 /// # Errors
-/// [`SceneError`] with file, line and a way out.
+/// [`SceneError`] with file, line and help.
 pub fn load_uncalibrated(
     path_or_name: &str,
     selection: Selection<'_>,
@@ -108,11 +107,11 @@ pub fn load_uncalibrated(
     load_with(path_or_name, selection, false)
 }
 
-/// Loads a scene without calibrations and without building its models, for those who want its gears: what a model
-/// takes may not be there yet.
+/// Loads a scene without calibrations and without building its models, for uses of its gears alone: files of models
+/// need not exist yet.
 ///
 /// # Errors
-/// [`SceneError`] with file, line and a way out.
+/// [`SceneError`] with file, line and help.
 pub fn load_unbuilt(path_or_name: &str) -> Result<SceneFile, SceneError> {
     let file = read(path_or_name, false)?;
     file.odd.iter().for_each(|odd| warn(&odd.told()));
@@ -176,7 +175,7 @@ fn read(path_or_name: &str, calibrated: bool) -> Result<SceneFile, SceneError> {
     )
 }
 
-/// What can be done with a folder that is named in the place of a scene.
+/// The advice for a folder that is named in the place of a scene.
 fn contents(folder: &Path) -> String {
     if folder.join(RECORD).is_file() {
         let shown = folder.display();
@@ -197,8 +196,8 @@ fn contents(folder: &Path) -> String {
     }
 }
 
-/// Calibrations of a scene: for a model in the file next to the scene, else in the scene itself; without either those that are
-/// embedded under the name.
+/// Finds the calibrations of a scene by model: in the file next to the scene, else in the scene itself, else among the
+/// embedded ones of that name.
 pub(super) fn find_calibration(
     scene: &str,
     (name, own): (&str, &Calibration),

@@ -1,4 +1,4 @@
-//! The line of a scene file that an error of the assembly is about.
+//! Location of assembly errors in the scene file.
 
 use super::reading::Place;
 use super::{ModelChoice, SceneError, SceneFile};
@@ -6,7 +6,7 @@ use gearbench_models::error::{BuildError, GearPart, MeshPart, Subject};
 use gearbench_models::scene::Scene;
 
 impl SceneFile {
-    /// The place in the file that an error met while building the model with a label is about.
+    /// Locates an error, met while building the model with a label, in the scene file.
     pub fn locate_in(&self, label: &str, error: &BuildError) -> SceneError {
         let choice = self.models.iter().position(|m| m.label == label);
         let models = self.document.at("models");
@@ -60,7 +60,7 @@ impl SceneFile {
         }
     }
 
-    /// An error about a mesh is about a model's contact or about the mesh itself.
+    /// The place of an error of a mesh: the contact of a model, or the mesh itself.
     fn place_of_mesh<'d>(
         &'d self,
         model: &Place<'d>,
@@ -99,8 +99,8 @@ impl SceneFile {
 }
 
 impl SceneFile {
-    /// Keys of flank points in a model none of whose gears has flanks to touch with: hard contact, which would then be
-    /// none, is refused, a penalty is odd.
+    /// Checks keys of flank points in a model whose gears have no contact points: hard contact is refused, as there
+    /// would be no contact at all; a penalty causes a warning.
     pub(super) fn without_effect(
         &self,
         choice: &ModelChoice,

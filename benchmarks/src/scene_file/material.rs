@@ -1,4 +1,4 @@
-//! `material` of a gear: a steel by its name, or numbers.
+//! The key `material` of a gear: a steel by name, or its constants.
 
 use super::error::SceneError;
 use super::reading::Place;
@@ -17,7 +17,7 @@ keys! {
     }
 }
 
-/// A steel, or a material of one's own.
+/// A steel by name, or a material by its constants.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub(super) enum MaterialChoice {
@@ -28,7 +28,7 @@ pub(super) enum MaterialChoice {
     Own(MaterialKeys),
 }
 
-/// The material of a choice.
+/// Returns the material of a choice.
 pub(super) fn material(choice: &MaterialChoice, at: &Place<'_>) -> Result<Material, SceneError> {
     let keys = match choice {
         MaterialChoice::Steel => return Ok(Material::STEEL),

@@ -1,8 +1,8 @@
-//! `[[meshes]]`: which gears mesh, at which distance, and where they start. Places the gears.
+//! The list `[[meshes]]`: pairs of gears, distance and start. It determines the positions of the gears.
 //!
-//! A gear without `position_m` is placed by its first mesh: at `centre_distance_m`, or at the distance that
-//! leaves the normal backlash `backlash_m`, in the direction `direction_deg` from its mate. The first gear
-//! of the first mesh stands at the origin unless it says otherwise. Gears of one shaft stand on one axis, as far apart as there.
+//! A gear without `position_m` is placed by its first mesh: at `centre_distance_m`, or at the distance that gives the
+//! normal backlash `backlash_m`, in the direction `direction_deg` from its mate. The first gear of the first mesh is at
+//! the origin unless the file gives its position. Gears of one shaft are on one axis, at their distances on the shaft.
 
 use super::error::SceneError;
 use super::gear::GearDraft;
@@ -48,7 +48,7 @@ keys! {
     }
 }
 
-/// Checks all meshes and places the gears.
+/// Checks all meshes and sets the positions of the gears.
 pub(super) fn meshes(
     list: &[MeshKeys],
     gears: &mut [GearDraft],
@@ -101,7 +101,7 @@ pub(super) fn meshes(
     }
 }
 
-/// Gives gears their axes: that of the first gear which says so is that of all which do not.
+/// Sets missing axes of gears to the axis of the first gear that has one.
 fn direct(gears: &mut [GearDraft]) {
     let Some(common) = gears.iter().find_map(|g| g.axis) else {
         return;
@@ -114,7 +114,7 @@ fn direct(gears: &mut [GearDraft]) {
     }
 }
 
-/// Indices of the two gears.
+/// Indices of the two gears of a mesh.
 fn pair_of(keys: &MeshKeys, gears: &[GearDraft], at: &Place<'_>) -> Result<[usize; 2], SceneError> {
     let [one, two] = &keys.gears;
     let index = |name: &GearName| gears.iter().position(|g| g.spec.name == name.0);
@@ -138,7 +138,7 @@ fn pair_of(keys: &MeshKeys, gears: &[GearDraft], at: &Place<'_>) -> Result<[usiz
     Ok(pair)
 }
 
-/// Gives positions to gears that have none.
+/// Sets the positions of gears that have none.
 fn put(
     keys: &MeshKeys,
     gears: &mut [GearDraft],
@@ -226,17 +226,17 @@ fn is_conical(body: &Body) -> bool {
     matches!(body, Body::Gear(gear) if gear.is_conical())
 }
 
-/// From one place to another in axes.
+/// Components of the vector from one position to another in a set of axes.
 fn in_axes(axes: &[Vec3; 3], from: [f64; 3], to: [f64; 3]) -> [f64; 3] {
     axes.map(|axis| axis.dot(&(Vec3::from(to) - Vec3::from(from))))
 }
 
-/// A rack faces its gear unless it says otherwise.
+/// Turns a rack towards its gear, unless the file sets its direction.
 fn set_facing(second: &mut GearDraft, direction: f64) {
     second.spec.facing = second.facing.unwrap_or(direction + std::f64::consts::PI);
 }
 
-/// Distance at which a pair has a normal backlash [m].
+/// Centre distance of a pair for a normal backlash [m].
 fn for_backlash(a: &Body, b: &Body, backlash: f64) -> Result<f64, GeometryError> {
     match (a, b) {
         (Body::Gear(a), Body::Gear(b)) => {
@@ -267,7 +267,7 @@ fn rack_distance(gear: &Gear, rack: &Rack, backlash: f64) -> f64 {
     nominal + (backlash / gear.base_helix_angle().cos() - thinned) / (2.0 * alpha.sin())
 }
 
-/// The pair at its positions.
+/// The pair of gears at their positions.
 fn pair_at(a: &GearDraft, b: &GearDraft, at: &Place<'_>) -> Result<Pair, SceneError> {
     let [one, two] = [a, b].map(|g| GearSpec {
         position: g.position.unwrap_or_default(),
@@ -276,7 +276,7 @@ fn pair_at(a: &GearDraft, b: &GearDraft, at: &Place<'_>) -> Result<Pair, SceneEr
     at_positions(&one, &two).map_err(|e| refusal(a, b, &e, at))
 }
 
-/// A refusal of a pair: at the two keys that disagree, or at what sets the distance.
+/// The error of a pair: at the two keys that disagree, or at the key that sets the distance.
 fn refusal(a: &GearDraft, b: &GearDraft, e: &GeometryError, at: &Place<'_>) -> SceneError {
     let Reason { cause, help } = e.reason();
     // The geometry counts the gears of a pair, the scene names them.
@@ -319,7 +319,7 @@ fn refusal(a: &GearDraft, b: &GearDraft, e: &GeometryError, at: &Place<'_>) -> S
     cause.error(message, "does not mesh", help)
 }
 
-/// The key and the value that take a length from the tip of a gear [m].
+/// Key and value that shorten the addendum of a gear by a length [m].
 fn shorter_addendum(gear: &GearDraft, reduce_by: f64) -> String {
     let (addendum, module) = match &gear.spec.body {
         Body::Gear(g) => (g.params().addendum, g.params().module),
@@ -397,10 +397,10 @@ pub(super) fn misalign<'k>(
     Ok(())
 }
 
-/// Times at which driven tilts are looked at through a simulation.
+/// Number of times at which driven tilts are checked over a simulation.
 const TILT_SAMPLES: usize = 1000;
 
-/// Axis of a gear at a time, with what its directions prescribe; free directions tilt as the bearings let them.
+/// Axis of a gear at a time, with prescribed tilts; free directions follow the bearings.
 fn axis_at(gear: &GearSpec, t: f64) -> Vec3 {
     let turned = |i: usize| match gear.lateral.as_deref().map(|l| &l.directions[i]) {
         Some(Freedom::Driven(speed)) => speed.integral(t),

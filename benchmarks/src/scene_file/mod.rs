@@ -1,24 +1,24 @@
-//! Scene files: TOML in SI units (angles in degrees), read into the data of [`gearbench_models::spec::scene`].
+//! Scene files: TOML in SI units (angles in degrees), converted to [`gearbench_models::spec::scene`].
 //!
 //! | module | owns |
 //! |---|---|
-//! | `reading` | TOML into types by serde, with places, "did you mean", limits and units |
-//! | `error` | refusals with line and way out |
+//! | `reading` | deserialisation of TOML with places, suggestions, limits and units |
+//! | `error` | errors with line and help |
 //! | `load` | scenes by name or path |
 //! | `gear`, `geometry`, `profile`, `mesh` | `[gears.NAME]`, its loads and mount, `[[meshes]]` |
 //! | `model`, `calibrated`, [`calibration`] | `[[models]]`, fitted constants |
 //! | `contact`, `contact_points`, `stiffness` | `contact = { .. }` |
-//! | `study_plan` | `[study]`, `tolerance`; what one study takes stands in its room |
-//! | `plausible`, `usual` | what no solid can be, and what is only odd |
-//! | `motion` | speeds at the start and loads that do not suit the train |
+//! | `study_plan` | `[study]`, `tolerance`; keys of a single study belong to its module |
+//! | `plausible`, `usual` | refusal of impossible values, warnings on unusual ones |
+//! | `motion` | warnings on initial speeds and loads that do not suit the train |
 //! | `selection` | models by their labels |
-//! | `formulas` | where a scene leaves the range of a stiffness formula |
-//! | [`references`] | what models are held against and fitted to: stored, or tables of the user |
-//! | `locate` | the line that an error of the assembly is about |
-//! | [`shipped`] | the scenes in the program |
+//! | `formulas` | warnings outside the validity range of a stiffness formula |
+//! | [`references`] | references to compare with and fit to: stored ones, or tables of the user |
+//! | `locate` | lines of errors of the assembly |
+//! | [`shipped`] | scenes that are embedded in the program |
 //!
-//! Everything that can be wrong in a file is found when it is loaded, geometry, laws, stiffness and the
-//! models' own parameters included: every model of a scene is built once.
+//! All errors of a file are found when it is loaded, including those of geometry, force laws, stiffness and model
+//! parameters: every model of a scene is built once.
 
 mod calibrated;
 pub mod calibration;
@@ -114,10 +114,10 @@ keys! {
     }
 }
 
-/// The version of the format that this program reads.
+/// Version of the scene format that this program reads.
 pub const SCHEMA: u32 = 1;
 
-/// The version of a file, which has to be that one.
+/// Version of the format of a file, which must equal [`SCHEMA`].
 #[derive(Clone, Debug, Deserialize)]
 #[serde(try_from = "u32")]
 struct Schema;
@@ -132,7 +132,7 @@ impl TryFrom<u32> for Schema {
     }
 }
 
-/// A name that can be a folder.
+/// A name that is valid as name of a folder.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(try_from = "String")]
 struct SceneName(String);
@@ -152,63 +152,64 @@ impl TryFrom<String> for SceneName {
     }
 }
 
-/// Where a scene came from.
+/// Origin of a scene.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Origin {
-    /// Embedded in the program.
+    /// A scene that is embedded in the program.
     Shipped,
-    /// A file.
+    /// A file of the user.
     File(PathBuf),
 }
 
 /// A model that cannot run its scene.
 #[derive(Clone, Debug)]
 pub struct RefusedModel {
-    /// Its label.
+    /// Label of the model in the scene.
     pub label: String,
-    /// Its model id.
+    /// Model id, as in the table of models.
     pub model: String,
-    /// Why, at the line of the scene, and a way out.
+    /// The reason at the line of the scene, with help.
     pub error: SceneError,
 }
 
-/// A scene file that has been read and found sound.
+/// A scene file that was read and checked.
 #[derive(Clone, Debug)]
 pub struct SceneFile {
-    /// Name, for folders and records.
+    /// Name of the scene, for folders and records.
     pub name: String,
-    /// One line.
+    /// Title in one line.
     pub title: String,
-    /// What it shows.
+    /// Description of the scene for lists and reports.
     pub description: String,
     /// Simulated time [s].
     pub duration: f64,
-    /// What models are held against and fitted to, in the order of the file; their data are read when a study asks.
+    /// References that models are compared with and fitted to, in the order of the file; their data are read when a
+    /// study needs them.
     pub references: Vec<NamedReference>,
-    /// What counts as accurate enough.
+    /// The accuracy that the scene requires: metric, reference and largest error.
     pub tolerance: Option<Tolerance>,
-    /// Gears and meshes.
+    /// Gears, shafts and meshes.
     pub spec: SceneSpec,
-    /// Configurations to compare, at least one.
+    /// Models to compare, at least one.
     pub models: Vec<ModelChoice>,
-    /// What a study does by default.
+    /// Defaults of studies of this scene.
     pub study: Study,
-    /// Files that measured flanks of its gears were read from.
+    /// Files from which measured flanks were read.
     pub flank_files: Vec<PathBuf>,
-    /// Where it came from.
+    /// Origin of the scene.
     pub origin: Origin,
-    /// What is odd about it, though not wrong.
+    /// Warnings on values that are valid but implausible.
     pub odd: Vec<SceneError>,
-    /// Those of its models that were built and cannot run it: studies record why, and run the others.
+    /// Models that were built and cannot run the scene: studies record the reason and run the others.
     pub refused: Vec<RefusedModel>,
     document: Document,
 }
 
 impl SceneFile {
-    /// Reads the text of a scene; `name` stands in refusals.
+    /// Parses the text of a scene; `name` is its name in errors.
     ///
     /// # Errors
-    /// [`SceneError`] with line and a way out.
+    /// [`SceneError`] with line and help.
     pub fn parse(
         name: &str,
         text: &str,
@@ -221,10 +222,10 @@ impl SceneFile {
         Ok(file)
     }
 
-    /// Reads a scene whose models need not be buildable.
+    /// Parses a scene without building its models.
     ///
     /// # Errors
-    /// [`SceneError`]: what is wrong with the file, and where.
+    /// [`SceneError`] with the place in the file.
     pub fn unbuilt(
         name: &str,
         text: &str,
@@ -338,7 +339,7 @@ impl SceneFile {
         Ok(file)
     }
 
-    /// Refuses steps from the command line that are longer than the simulated time.
+    /// Refuses steps of the command line that are longer than the simulated time.
     ///
     /// # Errors
     /// [`SceneError`] with both.
@@ -352,9 +353,10 @@ impl SceneFile {
         }
     }
 
-    /// Builds models once, by their places in the file, settles the integrators of those for which the scene names none, and
-    /// keeps which of them cannot run the scene; returns what is odd about the others. `begins` gets the number of those that
-    /// are built and the label of the next. Without calibrations a model that asks for one may lack its constants.
+    /// Builds models, given by their indices, sets the default integrators of those for which the scene names none, and
+    /// stores which of them cannot run the scene. Returns warnings on the others. `begins` receives the number of
+    /// models built so far and the label of the next. Without calibrations a model that uses one may lack its
+    /// constants.
     ///
     /// # Errors
     /// [`SceneError`] when a value is wrong, and when none of the models can run.
@@ -398,22 +400,22 @@ impl SceneFile {
         Ok(odd)
     }
 
-    /// Whether a model was built and cannot run the scene.
+    /// True if a model was built and cannot run the scene.
     pub fn is_refused(&self, label: &str) -> bool {
         self.refused.iter().any(|r| r.label == label)
     }
 
-    /// The text that it was read from.
+    /// The text of the scene file.
     pub fn text(&self) -> &str {
         self.document.text()
     }
 
-    /// A model by its label.
+    /// Returns a model by its label.
     pub fn model(&self, label: &str) -> Option<&ModelChoice> {
         self.models.iter().find(|m| m.label == label)
     }
 
-    /// Gears and meshes as a model needs them: a calibration brings its own gap at the start.
+    /// The gears and meshes for a model: a calibration may change the gap at the start.
     pub fn spec_for(&self, choice: &ModelChoice) -> SceneSpec {
         let mut spec = self.spec.clone();
         if let Some(gap) = choice.gap() {
@@ -424,8 +426,8 @@ impl SceneFile {
         spec
     }
 
-    /// Where the calibrations of this scene are written: beside a file; for a shipped scene in the folder
-    /// from which it is embedded, relative to the root of the repository.
+    /// Path to which calibrations of this scene are written: next to the file; for a shipped scene in the folder from
+    /// which it is embedded, relative to the root of the repository.
     pub fn calibration_path(&self) -> PathBuf {
         match &self.origin {
             Origin::Shipped => PathBuf::from(format!("benchmarks/calibrations/{}.toml", self.name)),
@@ -434,7 +436,7 @@ impl SceneFile {
     }
 }
 
-/// Words that a scene introduces itself, and those of the table of models.
+/// Names that the scene defines, and those of the table of models, by their type.
 fn known_words(scene: &DeTable<'_>) -> Vec<(&'static str, Vec<String>)> {
     let table = |key: &str| scene.get(key).and_then(|v| v.get_ref().as_table());
     let gears = table("gears").into_iter().flatten();

@@ -1,4 +1,4 @@
-//! `[[models]]`: the configurations that a study compares.
+//! The list `[[models]]`: models that a study compares.
 
 use super::calibrated::{CalibrationChoice, CalibrationUse, FindCalibration, calibration};
 use super::contact::{ContactKeys, contact};
@@ -51,7 +51,7 @@ keys! {
     }
 }
 
-/// A label that stands in legends and in `--models a,b`.
+/// A label for legends and for `--models a,b`.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(try_from = "String")]
 struct OwnLabel(String);
@@ -74,7 +74,7 @@ impl TryFrom<String> for OwnLabel {
     }
 }
 
-/// The model of one gear.
+/// Model of one gear.
 #[derive(Clone, Debug, Deserialize)]
 enum OfGear {
     #[serde(rename = "<text>")]
@@ -83,7 +83,7 @@ enum OfGear {
     Own(OfGearKeys),
 }
 
-/// A value that a gear model reads further.
+/// Value of a parameter of a gear model.
 #[derive(Clone, Debug, Deserialize)]
 enum ParameterValue {
     #[serde(rename = "<number>")]
@@ -96,59 +96,59 @@ enum ParameterValue {
     Flag(bool),
 }
 
-/// One configuration of a study.
+/// A model of a scene: models of all gears and contacts, with integrators.
 #[derive(Clone, Debug)]
 pub struct ModelChoice {
-    /// Name in reports and on the command line, unique in the scene.
+    /// Label in reports and on the command line, unique in the scene.
     pub label: String,
-    /// Id of the gear model that most gears take.
+    /// Id of the gear model that most gears use.
     pub model: String,
-    /// Models of all gears and contacts of all meshes, calibration applied.
+    /// Models of all gears and contacts of all meshes, with the calibration applied.
     pub modelling: Modelling,
-    /// The calibration, if one is used.
+    /// The calibration, if the model uses one.
     pub calibration: Option<CalibrationUse>,
-    /// Gap at the start [m] that the model asks for itself.
+    /// Gap at the start that the model sets [m].
     pub own_gap: Option<f64>,
-    /// Its integrators, where they are not those of the study.
+    /// Integrators of this model, where they differ from those of the study.
     pub integrators: Option<Vec<Scheme>>,
-    /// The scene names no integrators: they are the default of the model, which is settled when the model is built.
+    /// True if the scene names no integrators: the default of the model applies, which is set when the model is built.
     pub default_integrators: bool,
-    /// Time that others publish for such a model [s].
+    /// Published computing time of such a model [s].
     pub published: Option<f64>,
-    /// That time follows from other published numbers.
+    /// True if the published time is derived from other published numbers.
     pub published_derived: bool,
 }
 
 impl ModelChoice {
-    /// Gap at the start that the model or its calibration brings [m].
+    /// Gap at the start that the model or its calibration sets [m].
     pub fn gap(&self) -> Option<f64> {
         let calibrated = || self.calibration.as_ref()?.constants.as_ref()?.gap;
         self.own_gap.or_else(calibrated)
     }
 
-    /// What records call its runs.
+    /// The label of the model in reports.
     pub fn model_label(&self) -> String {
         Run::called(&self.label, &self.model).model_label()
     }
 }
 
-/// What models are read against.
+/// Parts of the scene that the keys of its models are checked against.
 pub(super) struct Context<'a> {
     pub(super) scene: &'a str,
-    /// It is one that comes with the program.
+    /// True if the scene is embedded in the program.
     pub(super) shipped: bool,
     pub(super) gears: &'a [GearDraft],
     pub(super) meshes: usize,
     pub(super) models: &'a [Model],
-    /// Folder of the scene file, from which paths of meshes count.
+    /// Folder of the scene file, to which paths of meshes are relative.
     pub(super) folder: Option<&'a Path>,
     /// Finds the calibration of a scene.
     pub(super) calibrations: &'a FindCalibration<'a>,
-    /// Models take the constants of their calibration.
+    /// True if models use the constants of their calibration.
     pub(super) calibrated: bool,
 }
 
-/// Checks all configurations.
+/// Checks all models of a scene.
 pub(super) fn models(
     list: Vec<ModelKeys>,
     context: &Context<'_>,
@@ -241,7 +241,7 @@ fn model(
     })
 }
 
-/// The path of a deck or a reduction that lies beside the scene file; other texts as they are.
+/// Path of a deck or reduction relative to the folder of the scene file; other text unchanged.
 fn from_folder(text: &str, folder: Option<&Path>) -> String {
     let name = text.to_ascii_lowercase();
     let ends = [".inp", ".inp.gz", ".msh", ".msh.gz", ".npz"];
@@ -253,7 +253,7 @@ fn from_folder(text: &str, folder: Option<&Path>) -> String {
     }
 }
 
-/// Parameters of a model; a key it does not have is refused.
+/// Reads the parameters of a model; refuses unknown keys.
 fn parameters(
     model: &str,
     keys: InOrder<ParameterValue>,

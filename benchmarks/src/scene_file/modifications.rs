@@ -1,4 +1,4 @@
-//! Flank modifications of a gear that vary over its width: end relief, helix slope, twist, and a measured topography.
+//! Flank modifications that vary over the face width: end relief, helix slope, twist, and measured topography.
 //!
 //! ```toml
 //! end_relief = { low = { amount_m = 10e-6, length_m = 2e-3 }, high = { amount_m = 10e-6, length_m = 2e-3, shape = "parabolic" } }
@@ -21,7 +21,7 @@ use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// Files larger than this are no topography [bytes].
+/// Largest size of a topography file [bytes].
 const MOST_BYTES: u64 = 64 << 20;
 
 keys! {
@@ -64,7 +64,7 @@ keys! {
     }
 }
 
-/// One value for both sides, or one for each.
+/// One value for both sides of the teeth, or one for each.
 #[derive(Clone, Debug, Deserialize)]
 pub(super) enum BySide {
     #[serde(rename = "<number>")]
@@ -81,7 +81,7 @@ enum AmountKeys {
     Rows(Vec<Vec<f64>>),
 }
 
-/// End reliefs at the lower and the upper end of the face.
+/// Reads the end reliefs at the lower and upper end of the face.
 pub(super) fn end_reliefs(keys: Option<&EndReliefKeys>) -> [Option<EndRelief>; 2] {
     let of = |end: &EndKeys| EndRelief {
         amount: end.amount_m,
@@ -93,7 +93,7 @@ pub(super) fn end_reliefs(keys: Option<&EndReliefKeys>) -> [Option<EndRelief>; 2
     })
 }
 
-/// Values of left and right flanks, 0 where none is given.
+/// Values of left and right flanks; 0 if not given.
 pub(super) fn by_side(keys: Option<&BySide>) -> [f64; 2] {
     match keys {
         None => [0.0; 2],
@@ -102,14 +102,14 @@ pub(super) fn by_side(keys: Option<&BySide>) -> [f64; 2] {
     }
 }
 
-/// Measured flanks of both sides, and the files they were read from.
+/// Measured flanks of both sides, with their files.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Measured {
     pub(super) sides: [Option<Arc<Topography>>; 2],
     pub(super) files: Vec<PathBuf>,
 }
 
-/// Reads the topographies of a gear; files lie beside the scene, in `folder`.
+/// Reads the topographies of a gear; paths are relative to `folder`.
 pub(super) fn topography(
     keys: Option<&TopographyKeys>,
     folder: Option<&Path>,

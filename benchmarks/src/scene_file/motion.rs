@@ -1,18 +1,19 @@
-//! Warnings about speeds at the start and loads that do not suit the train of a scene.
+//! Warnings on initial speeds and loads that do not suit the gear train of a scene.
 //!
-//! **Speeds.** Flanks that approach each other at the start strike, flanks that part cross the backlash and strike on the
-//! other side. A warning names the speed and the order of the force, `F = v sqrt(k m)` of a mass `m` on a spring `k`, with
-//! `k` the 14 N/(mm um) of face width that ISO 6336-1 gives as a mean value for steel gears. A scene is taken as an impact
-//! that is meant, without a warning, where
+//! **Speeds.** Flanks that approach each other at the start collide; flanks that separate cross the backlash and
+//! collide on the other side. A warning names the speed and the order of the force, `F = v sqrt(k m)` of a mass `m` on
+//! a spring `k`, with `k` the 14 N/(mm um) of face width that ISO 6336-1 gives as a mean value for steel gears. An
+//! impact counts as intended, without a warning, if
 //! - no load and no driven hub acts on the train: then nothing but an impact can happen in it;
-//! - held hubs leave the gears no motion in step;
+//! - held hubs leave the gears no kinematically consistent motion;
 //! - the mesh starts within its backlash, a quarter of it or more away from the flank.
 //!
-//! Speeds that differ by less than a thousandth, as those of rounded input do, and impacts below a tenth of the tooth
-//! force of the loads are not mentioned either.
+//! There is no warning on relative differences of speed below a thousandth, as from rounded input, and on impacts below
+//! a tenth of the tooth force of the loads.
 //!
-//! **Loads.** A warning names loads on hubs whose motion is given, loads that press the flank that does not touch at the
-//! start, loads that press no flank, and loads that all drive. Only loads that keep their sign are judged.
+//! **Loads.** A warning names loads on hubs with prescribed motion, loads that press the flank that is not in contact
+//! at the start, loads that press no flank, and trains in which all loads drive. Only loads that keep their sign are
+//! checked.
 
 use super::SceneFile;
 use super::error::SceneError;
@@ -23,24 +24,24 @@ use gearbench_models::spec::{
 };
 use gearbench_reports::numbers::short;
 
-/// Difference of two speeds over the larger one that counts as rounding.
+/// Relative difference of two speeds that counts as rounding.
 const ROUNDING: f64 = 1e-3;
-/// Force of an impact over that of the loads that is not worth a word.
+/// Impact force, relative to the force of the loads, below which no warning is given.
 const SLIGHT: f64 = 0.1;
-/// Gap at the start over the backlash from which on flanks are apart on purpose.
+/// Gap at the start, relative to the backlash, from which on flanks are taken to be apart deliberately.
 const APART: f64 = 0.25;
-/// Stiffness of a tooth pair by face width [N/m^2]: ISO 6336-1, mean value for steel.
+/// Stiffness of a tooth pair per face width [N/m^2]: mean value of ISO 6336-1 for steel.
 const STIFFNESS: f64 = 14e9;
-/// Normal force over that of the loads alone below which no flank is pressed.
+/// Normal force, relative to that of the loads alone, below which a flank counts as unloaded.
 const NO_FORCE: f64 = 1e-6;
 
-/// A number as it is written in a scene, with an ASCII sign and without the digits of rounding.
+/// Formats a number for a scene file, without digits of rounding errors.
 fn written(x: f64, digits: usize) -> String {
     let rounded: f64 = format!("{x:.*e}", digits - 1).parse().unwrap_or(x);
     format!("{rounded:?}")
 }
 
-/// A train, and where its members stand in the file.
+/// A gear train with the places of its members in the file.
 struct Start<'s> {
     scene: &'s SceneFile,
     train: Train<'s>,
@@ -48,7 +49,7 @@ struct Start<'s> {
     warnings: Vec<SceneError>,
 }
 
-/// What of the speeds and loads of a scene is implausible.
+/// Returns warnings on implausible speeds and loads of a scene.
 pub(super) fn check(scene: &SceneFile) -> Vec<SceneError> {
     let mut start = Start {
         scene,
@@ -63,7 +64,7 @@ pub(super) fn check(scene: &SceneFile) -> Vec<SceneError> {
     start.warnings
 }
 
-/// Loads in constant terms, at a speed of their hub; `None` where one changes its sign.
+/// Sum of the loads at a speed of their hub, ramps at their final value; `None` if one changes its sign.
 fn constant(loads: &[Load], speed: f64) -> Option<f64> {
     let of = |load: &Load| match load {
         Load::Viscous(c) => Some(-c * speed),
@@ -72,7 +73,7 @@ fn constant(loads: &[Load], speed: f64) -> Option<f64> {
     loads.iter().map(of).sum()
 }
 
-/// Whether a function of time has one sign.
+/// True if a function of time does not change its sign.
 fn keeps_sign(profile: &Profile) -> bool {
     match profile {
         Profile::Constant(_) => true,
@@ -101,7 +102,7 @@ impl Start<'_> {
         format!("`{a}` and `{b}`")
     }
 
-    /// Where a member stands: `[gears.NAME]`, or its place on a shaft.
+    /// Place of a member in the file: `[gears.NAME]`, or its station on a shaft.
     fn place(&self, member: usize) -> Place<'_> {
         let spec = &self.scene.spec;
         match spec.gears.get(member) {
@@ -110,7 +111,7 @@ impl Start<'_> {
         }
     }
 
-    /// Members that stand on shafts, each with the places of the shaft and of its station in the file.
+    /// Members on shafts, with the indices of shaft and station in the file.
     fn stations(&self) -> Vec<(usize, usize, usize)> {
         let spec = &self.scene.spec;
         let (mut all, mut body) = (Vec::new(), spec.gears.len());
@@ -129,14 +130,14 @@ impl Start<'_> {
         all
     }
 
-    /// Place of a member among those that a shaft carries.
+    /// Place of a member among the stations of its shaft.
     fn station(&self, member: usize) -> Option<Place<'_>> {
         let found = self.stations().into_iter().find(|(own, ..)| *own == member);
         let shafts = self.root.key("shafts");
         found.map(|(_, i, j)| shafts.member(i).key("carries").member(j))
     }
 
-    /// Where the speed of a member is given, if it is.
+    /// Place of the speed of a member in the file, if it is given.
     fn stated_speed(&self, member: usize) -> Option<Place<'_>> {
         let own = self.place(member);
         let keys: &[&str] = match is_driven(self.train.mount(member)) {
@@ -151,7 +152,7 @@ impl Start<'_> {
         })
     }
 
-    /// Members whose speed is the scene's own choice, the most binding first.
+    /// Members whose speed the scene prescribes, the most binding first.
     fn order(&self) -> Vec<usize> {
         let members = 0..self.train.members();
         let driven = (members.clone()).filter(|i| is_driven(self.train.mount(*i)));
@@ -159,7 +160,7 @@ impl Start<'_> {
         driven.chain(members.clone().filter(moving)).collect()
     }
 
-    /// Whether a load or a driven hub acts on the train of a member.
+    /// True if a load or a driven hub acts on the gear train of a member.
     fn is_driven_or_loaded(&self, member: usize) -> bool {
         let acts = |load: &Load| match load {
             Load::Applied(profile) => profile.greatest() != 0.0,
@@ -171,7 +172,7 @@ impl Start<'_> {
             .any(|i| is_driven(self.train.mount(i)) || self.train.loads(i).iter().any(acts))
     }
 
-    /// Flanks that close or open at the start.
+    /// Warns of flanks that close or separate at the start.
     fn speeds(&mut self) {
         let in_step = self.train.in_step(&self.order());
         let spec = &self.scene.spec;
@@ -256,7 +257,7 @@ impl Start<'_> {
         )
     }
 
-    /// Loads on hubs whose motion is given.
+    /// Warns of loads on hubs with prescribed motion.
     fn ineffective_loads(&mut self) {
         let mut found = Vec::new();
         for member in 0..self.train.members() {
@@ -280,8 +281,8 @@ impl Start<'_> {
         self.warnings.extend(found);
     }
 
-    /// Loads of all members of a train at the speeds in step; `None` where one changes its sign, or none acts on a hub
-    /// that moves.
+    /// Loads of all members of a train at consistent speeds; `None` if one changes its sign, or none acts on a movable
+    /// hub.
     fn loads_of(&self, train: &[usize], in_step: &[f64]) -> Option<Vec<f64>> {
         let mut loads = vec![0.0; self.train.members()];
         for member in train {
@@ -296,7 +297,7 @@ impl Start<'_> {
         loads.iter().any(|x| *x != 0.0).then_some(loads)
     }
 
-    /// Loads that press the flank that does not touch at the start, or none.
+    /// Warns of loads that press the flank that is not in contact at the start, or neither flank.
     fn pressed_flanks(&mut self) {
         let in_step = self.train.in_step(&self.order());
         let spec = &self.scene.spec;
@@ -362,13 +363,13 @@ impl Start<'_> {
         self.warnings.extend(found);
     }
 
-    /// Whether the flanks of a mesh start apart on purpose, within the backlash.
+    /// True if the flanks of a mesh deliberately start apart, within the backlash.
     fn starts_apart(&self, mesh: &MeshSpec) -> bool {
         let [a, b] = mesh.gears.map(|g| &self.scene.spec.gears[g]);
         mesh_layout(a, b).is_ok_and(|l| mesh.start.gap >= APART * l.pair.backlash_normal())
     }
 
-    /// Where the loads of a train stand, the last ones of the file.
+    /// Place of the loads of a train, the last ones in the file.
     fn load_place(&self, train: &[usize]) -> Place<'_> {
         let loaded = train
             .iter()
@@ -377,7 +378,7 @@ impl Start<'_> {
         loaded.map_or_else(|| self.root.clone(), |m| self.place(*m).key("loads"))
     }
 
-    /// Loads of a train that all drive it: one of them has the wrong sign, if it is meant to brake.
+    /// Warns if all loads of a train drive it: one of them has the wrong sign if it is meant as a brake.
     fn driving_loads(&mut self) {
         let in_step = self.train.in_step(&self.order());
         let (mut seen, mut found) = (vec![false; self.train.members()], Vec::new());

@@ -1,15 +1,16 @@
-//! What no solid can be is refused; what is only odd is said. Both at the line, with the unit that is probably meant.
+//! Checks of plausibility. Physically impossible values are refused, unusual values cause a warning. Both name the line
+//! and the unit that was probably meant.
 //!
-//! Bounds of the possible:
-//! - a rim that turns with the surface speed `v` carries the hoop stress `rho v^2`, beyond Young's modulus `E` where `v`
-//!   passes the speed of sound `sqrt(E / rho)` (Timoshenko, Strength of Materials II, thin rotating ring);
-//! - a load `F` at the base circle means a nominal stress `F / (b m)` of a tooth of module `m` and width `b`, which no
-//!   solid carries beyond `E`;
-//! - a tooth of stiffness `k` and mass `m` vibrates at `sqrt(k / m)`, in gears about once in the time in which a wave crosses
-//!   its module; at a thousand times that no step would be short enough;
-//! - a fixed step is at most as long as what is simulated.
+//! Limits of the possible:
+//! - A rim with the surface speed `v` has the hoop stress `rho v^2`, which exceeds Young's modulus `E` where `v`
+//!   exceeds the speed of sound `sqrt(E / rho)` (Timoshenko, Strength of Materials II, thin rotating ring).
+//! - A load `F` at the base circle gives a nominal stress `F / (b m)` of a tooth of module `m` and width `b`; no solid
+//!   carries more than `E`.
+//! - A tooth of stiffness `k` and mass `m` vibrates at `sqrt(k / m)`, in gears about once in the time in which a wave
+//!   crosses its module; at a thousand times that no step would be short enough.
+//! - A fixed step is at most as long as the simulated time.
 //!
-//! Bounds of the usual are wide: beyond them stand hardly any gears, but many a slip of units.
+//! Typical ranges are wide: values beyond them are mostly errors of units.
 
 use super::error::SceneError;
 use super::motion;
@@ -29,18 +30,18 @@ use gearbench_models::spec::{Body, ContactSpec, GearSpec, Load, Mount, effective
 use gearbench_models::stiffness::{Material, PairStiffness};
 use gearbench_reports::numbers::short;
 
-/// Smallest pressure angle that a tool has [degrees].
+/// Smallest pressure angle of cutting tools [degrees].
 const LEAST_PRESSURE_ANGLE: f64 = 5.0;
 /// Surface speed above which hardly any gear runs [m/s].
 const FAST: f64 = 400.0;
-/// Angular frequency of a tooth over that of waves across its module from which on it is refused.
+/// Angular frequency of a tooth, relative to that of waves across its module, from which on it is refused.
 const STIFF_TOOTH: f64 = 1e3;
-/// Waves in materials of gears are hardly slower [m/s].
+/// Lower bound of the wave speed in gear materials [m/s].
 const SLOW: f64 = 500.0;
-/// Nominal stress of a tooth over Young's modulus that hardly any steel carries.
+/// Nominal tooth stress, relative to Young's modulus, above which a warning is given.
 const HEAVY: f64 = 0.01;
 
-/// A pressure angle that no tool has [rad]: most often one in radians.
+/// Refuses a pressure angle that no tool has [rad], most often one given in radians.
 ///
 /// # Errors
 /// [`SceneError`] with the angle in degrees.
@@ -64,10 +65,10 @@ pub(super) fn pressure_angle(angle: f64, gear: &Place<'_>) -> Result<(), SceneEr
     )
 }
 
-/// Checks a scene that has been read.
+/// Checks a scene; returns warnings, or the first error.
 ///
 /// # Errors
-/// [`SceneError`] of what cannot be; what is odd is returned.
+/// [`SceneError`] for an impossible value.
 pub(super) fn check(scene: &SceneFile) -> Result<Vec<SceneError>, SceneError> {
     let root = scene.document.at("");
     let mut odd = Vec::new();
@@ -99,7 +100,8 @@ pub(super) fn check(scene: &SceneFile) -> Result<Vec<SceneError>, SceneError> {
     Ok(odd)
 }
 
-/// Refuses a mesh both of whose gears move as they are prescribed to: no force moves anything, teeth go through each other.
+/// Refuses a mesh whose gears both have prescribed motions: forces could not move them, and teeth would pass through
+/// each other.
 ///
 /// # Errors
 /// [`SceneError`] at the mount of the second gear.
@@ -119,7 +121,7 @@ fn driven(scene: &SceneFile) -> Result<(), SceneError> {
     )
 }
 
-/// A tolerance of a relative error that accepts any result.
+/// Warns of a tolerance that accepts any result.
 fn tolerance(scene: &SceneFile, at: &Place<'_>) -> Option<SceneError> {
     let of = scene
         .tolerance
@@ -138,7 +140,7 @@ fn tolerance(scene: &SceneFile, at: &Place<'_>) -> Option<SceneError> {
     Some(place.error(message, "odd", odd.help_text().unwrap_or_default()))
 }
 
-/// Teeth of a model that vibrate faster than those of any material.
+/// Refuses tooth springs that vibrate faster than teeth of any material.
 ///
 /// # Errors
 /// [`SceneError`] at the stiffness.
@@ -192,7 +194,7 @@ fn tooth_springs(scene: &SceneFile, model: &ModelChoice) -> Result<(), SceneErro
     Ok(())
 }
 
-/// Constants of an impact in a scene that runs under load: the mesh is then far too stiff.
+/// Warns of constants fitted to an impact in a scene that runs under load: the mesh is then far too stiff.
 fn calibrated(scene: &SceneFile, model: &ModelChoice, at: &Place<'_>) -> Option<SceneError> {
     let calibration = model.calibration.as_ref()?;
     let loaded = |g: &GearSpec| {
@@ -250,7 +252,7 @@ fn material(material: &Material, at: &Place<'_>, odd: &mut Vec<SceneError>) {
     odd.extend(DENSITY.odd(&at.key("density_kg_m3"), "density_kg_m3", material.density));
 }
 
-/// Surface speed against the speed of sound.
+/// Compares the surface speed with the speed of sound.
 fn speed(gear: &GearSpec, at: &Place<'_>, odd: &mut Vec<SceneError>) -> Result<(), SceneError> {
     let driven = match &gear.mount {
         Mount::Driven(motion) => Some(motion.greatest()),
@@ -288,7 +290,7 @@ fn speed(gear: &GearSpec, at: &Place<'_>, odd: &mut Vec<SceneError>) -> Result<(
     Ok(())
 }
 
-/// Nominal stress of the teeth under each load against Young's modulus.
+/// Compares the nominal tooth stress under each load with Young's modulus.
 fn loads(gear: &GearSpec, at: &Place<'_>, odd: &mut Vec<SceneError>) -> Result<(), SceneError> {
     let (module, width) = match &gear.body {
         Body::Gear(g) => (g.params().module, g.params().face_width),
@@ -325,7 +327,7 @@ fn loads(gear: &GearSpec, at: &Place<'_>, odd: &mut Vec<SceneError>) -> Result<(
     Ok(())
 }
 
-/// Gears that do not mesh must have room beside each other, across their axes or along them.
+/// Refuses gears that overlap without meshing, across their axes and along them.
 fn overlap(scene: &SceneFile) -> Result<(), SceneError> {
     let gears = &scene.spec.gears;
     let mesh = |a: usize, b: usize| {
@@ -371,7 +373,7 @@ fn overlap(scene: &SceneFile) -> Result<(), SceneError> {
     Ok(())
 }
 
-/// Fixed steps against the simulated time.
+/// Compares fixed steps with the simulated time.
 fn steps(schemes: &[Scheme], scene: &SceneFile, at: &Place<'_>) -> Result<(), SceneError> {
     for (i, scheme) in schemes.iter().enumerate() {
         if let Some(why) = too_long(scheme, scene.duration) {
@@ -383,7 +385,7 @@ fn steps(schemes: &[Scheme], scene: &SceneFile, at: &Place<'_>) -> Result<(), Sc
     Ok(())
 }
 
-/// What is wrong with a step that is longer than the simulated time [s].
+/// The message on a step that is longer than the simulated time [s], if it is.
 pub(super) fn too_long(scheme: &Scheme, duration: f64) -> Option<String> {
     match scheme.resolution {
         Resolution::Step(h) if h > duration => Some(format!(

@@ -1,4 +1,4 @@
-//! Loads, prescribed motions and mounts of a gear.
+//! Loads, prescribed motions and mounts of gears.
 //!
 //! ```toml
 //! loads = [{ torque_nm = 10.0 }, { viscous_nms_per_rad = 0.01 }]
@@ -18,7 +18,7 @@ use gearbench_models::spec::{Guide, Load, Mount, Profile};
 use serde::de::{Deserialize, Deserializer, Error};
 use std::marker::PhantomData;
 
-/// A profile that ascends in time, read from a table of keys.
+/// A profile over ascending times, read from a table of keys.
 #[derive(Clone, Debug)]
 pub(super) struct Checked<K>(Profile, PhantomData<K>);
 
@@ -32,7 +32,7 @@ impl<'de, K: Deserialize<'de> + Into<Profile>> Deserialize<'de> for Checked<K> {
     }
 }
 
-/// A function of time in one unit: constant, ramp, table or harmonic, and for loads a viscous coefficient.
+/// Declares functions of time in one unit: constant, ramp, table or harmonic, and for loads a viscous coefficient.
 macro_rules! profiles {
     ($($choice:ident: $value:ident, $from:ident, $to:ident, $mean:ident, $amplitude:ident $(, $viscous:ident)?; $ramp:ident, $table:ident, $harmonic:ident;)*) => {
         $(
@@ -99,7 +99,7 @@ macro_rules! profiles {
                 }
             }
 
-            /// Its variants are the keys of the file.
+            /// Function of time; its variants are keys of the file.
             #[derive(Clone, Debug, serde::Deserialize)]
             #[allow(non_camel_case_types)]
             pub(super) enum $choice {
@@ -135,7 +135,7 @@ profiles! {
     Sliding: speed_m_s, from_m_s, to_m_s, mean_m_s, amplitude_m_s; SlidingRamp, SlidingTable, SlidingHarmonic;
 }
 
-/// A guide, read from a table of keys.
+/// A guide of a hub, read from a table of keys.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Checks<K>(Guide, PhantomData<K>);
 
@@ -220,7 +220,7 @@ guides! {
 
 macro_rules! mounts {
     ($($name:ident: $free:ident, $motion:ident, $guide:ident;)*) => { $(
-        /// How a hub may move.
+        /// Mount of a hub.
         #[derive(Clone, Debug, Default, serde::Deserialize)]
         #[serde(rename_all = "kebab-case")]
         pub(super) enum $name {
@@ -232,7 +232,7 @@ macro_rules! mounts {
         }
 
         impl $name {
-            /// The mount, and what holds the hub where it is free.
+            /// The mount, and the guide if the hub is free.
             pub(super) fn parts(self) -> (Mount, Option<Guide>) {
                 match self {
                     $name::$free => (Mount::$free, None),

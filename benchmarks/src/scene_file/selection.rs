@@ -1,14 +1,14 @@
-//! Models of a scene by their labels.
+//! Selection of models of a scene by their labels.
 
 use super::reading::suggest;
 use super::{ModelChoice, SceneError, SceneFile};
 
 impl SceneFile {
-    /// Models asked for on the command line, by labels between commas; `None` takes those of the study. Those that cannot run
+    /// Selects models by their labels, separated by commas; `None` selects those of the study. Models that cannot run
     /// the scene ([`SceneFile::refused`]) are left out.
     ///
     /// # Errors
-    /// [`SceneError`] lists the labels there are, or says why none of those models can run.
+    /// [`SceneError`] with the known labels, or with the reasons why none of the models can run.
     pub fn select(&self, labels: Option<&str>) -> Result<Vec<&ModelChoice>, SceneError> {
         let wanted: Vec<&str> = match labels {
             Some(text) => text
@@ -56,7 +56,7 @@ impl SceneFile {
         Ok(found)
     }
 
-    /// The same for accuracy against cost, which may have models of its own by default.
+    /// Selects the models of the study of accuracy against cost, which may have defaults of its own.
     ///
     /// # Errors
     /// [`SceneError`] lists the labels there are.

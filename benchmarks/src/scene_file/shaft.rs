@@ -1,4 +1,4 @@
-//! `[[shafts]]`: what turns together, rigidly or on an elastic beam, and the bodies without teeth beside the gears.
+//! The list `[[shafts]]`: gears and bodies that rotate together, on a rigid shaft or an elastic beam.
 //!
 //! ```toml
 //! [[shafts]]
@@ -88,10 +88,10 @@ keys! {
     }
 }
 
-/// Gears of a shaft by index, with their places [m].
+/// Gears of a shaft by index, with their positions along it [m].
 pub(super) type OnShaft = Vec<(usize, f64)>;
 
-/// Checks all shafts; gives their speeds to gears that have none.
+/// Checks all shafts; sets the speeds of gears that have none.
 pub(super) fn shafts(
     list: Vec<ShaftKeys>,
     gears: &mut [GearDraft],
@@ -102,7 +102,7 @@ pub(super) fn shafts(
         .collect()
 }
 
-/// Which gears stand on one axis.
+/// Groups of gears on one axis.
 pub(super) fn groups(shafts: &[ShaftSpec]) -> Vec<OnShaft> {
     let of = |shaft: &ShaftSpec| {
         let gears = shaft.stations.iter().filter_map(|s| match s.carries {
@@ -114,7 +114,7 @@ pub(super) fn groups(shafts: &[ShaftSpec]) -> Vec<OnShaft> {
     shafts.iter().map(of).collect()
 }
 
-/// A gear whose shaft stands somewhere stands there as well.
+/// Sets the position of gears from the position of their shaft.
 pub(super) fn place_by_shaft(
     groups: &[OnShaft],
     gears: &mut [GearDraft],
@@ -274,7 +274,7 @@ fn carried(
     })))
 }
 
-/// Planets that give no speed roll on the first gear that they mesh with on the axis of their carrier.
+/// Sets the speed of planets that give none to rolling on the first gear that they mesh with.
 pub(super) fn roll_planets(spec: &mut SceneSpec, gears: &Place<'_>) {
     let turning = |spec: &SceneSpec| -> Vec<(Vec<usize>, f64)> {
         let carriers = spec.bodies().filter(|b| !b.planets.is_empty());

@@ -1,13 +1,13 @@
-//! Shipped scenes and their calibrations, embedded. A further scene is a file and its line in [`SHIPPED`].
+//! Scenes and calibrations that are embedded in the program. A new scene needs a file and a line in [`SHIPPED`].
 
-/// A scene that comes with the program.
+/// A scene that is embedded in the program.
 #[derive(Clone, Copy, Debug)]
 pub struct Shipped {
-    /// Name, as given on the command line.
+    /// Name on the command line.
     pub name: &'static str,
-    /// Text of the scene.
+    /// Text of the scene file.
     pub text: &'static str,
-    /// Text of its calibrations, empty when it has none of its own.
+    /// Text of its calibration file; empty if it has none.
     pub calibration: &'static str,
 }
 
@@ -27,7 +27,7 @@ macro_rules! shipped {
     };
 }
 
-/// All shipped scenes; the first is the default comparison.
+/// All embedded scenes; the first is the default comparison.
 pub static SHIPPED: &[Shipped] = &[
     shipped!("spur_impact", calibrated),
     shipped!("spur_impact_large", calibrated),
@@ -57,7 +57,7 @@ pub static SHIPPED: &[Shipped] = &[
     shipped!("planetary_run_up"),
 ];
 
-/// A shipped scene by name.
+/// Returns an embedded scene by name.
 pub fn shipped(name: &str) -> Option<&'static Shipped> {
     SHIPPED.iter().find(|s| s.name == name)
 }

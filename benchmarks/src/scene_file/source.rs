@@ -1,7 +1,7 @@
-//! What records keep of a scene, and a scene that is run again from there.
+//! The source of a record: text and inputs of its scene, and a scene that is rerun from a record.
 //!
-//! A record that is run again stands in for its scene: text and calibrations are those of the record, relative paths
-//! still lead from where the scene file was, and the files there have to be the same.
+//! In a rerun the record replaces the scene file: text and calibrations are those of the record; relative paths still
+//! count from the place of the scene file, and the files there must be unchanged.
 
 use super::calibration::Calibration;
 use super::{Origin, SceneFile};
@@ -13,30 +13,30 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
-/// The record that is run again.
+/// Source of the record that is rerun.
 static STANDS_IN: OnceLock<Source> = OnceLock::new();
 
-/// Makes a record stand in for its scene from here on; the first one stays.
+/// Replaces scenes by the source of a record from here on; only the first call has an effect.
 pub fn stand_in(source: Source) {
     let _ = STANDS_IN.set(source);
 }
 
-/// The text of a scene in the record that is run again.
+/// The text of a scene in the record that is rerun.
 pub(super) fn recorded(name: &str) -> Option<&'static str> {
     let source = STANDS_IN.get()?;
     (source.name == name).then_some(source.scene.as_str())
 }
 
-/// The calibration file of a scene in the record that is run again.
+/// The calibration file of a scene in the record that is rerun.
 pub(super) fn recorded_calibration(scene: &str) -> Option<&'static str> {
     let text = STANDS_IN.get()?.calibrations.get(scene)?;
     Some(text)
 }
 
-/// Bytes of a file that a study reads: of a deck or a table as many as their readers take.
+/// Largest size of a file that is hashed [bytes]; decks and tables have the same limit.
 const MOST_OF_SOURCE: u64 = 1 << 30;
 
-/// The hash of a file; `None` of one that cannot be read.
+/// Hash of a file; `None` if it cannot be read.
 fn hash_of(path: &str) -> Option<String> {
     // A record may name a pipe or a device, which is read without end.
     if !Path::new(path).is_file() {
@@ -47,13 +47,13 @@ fn hash_of(path: &str) -> Option<String> {
     Some(hash.to_string())
 }
 
-/// The hash of a stored reference.
+/// Hash of a stored reference.
 fn hash_of_reference(id: &str) -> Option<String> {
     let found = gearbench_reference::reference(id).ok()?;
     Some(Key::new("reference").and(&found.history).to_string())
 }
 
-/// Files and references that are not what a record was made of: what, by name.
+/// Names of files and references that have changed since the record was written.
 pub fn changed(source: &Source) -> Vec<String> {
     let differs = |of: fn(&str) -> Option<String>| {
         move |(name, hash): &(&String, &String)| of(name).as_ref() != Some(*hash)
@@ -67,7 +67,7 @@ pub fn changed(source: &Source) -> Vec<String> {
 }
 
 impl SceneFile {
-    /// Files that the scene names: decks, meshes and reductions of models, tables of references, topographies.
+    /// Files that the scene names: decks, meshes and reductions of models, reference tables, topographies.
     fn files_read(&self) -> Vec<PathBuf> {
         let of_models = self.models.iter().flat_map(|m| key::files(&m.modelling));
         let tables = self.references.iter().filter_map(|r| r.file());
@@ -77,7 +77,7 @@ impl SceneFile {
             .collect()
     }
 
-    /// Files that a study of the scene reads: the scene itself, its calibration, and all that it names.
+    /// Files that a study of the scene reads: the scene, its calibration, and all files that it names.
     pub fn inputs(&self) -> Vec<PathBuf> {
         let own = match &self.origin {
             Origin::Shipped => Vec::new(),
@@ -86,7 +86,7 @@ impl SceneFile {
         own.into_iter().chain(self.files_read()).collect()
     }
 
-    /// What a record of it keeps.
+    /// The text, calibrations and hashes of input files for the record of a study.
     pub fn source(&self) -> Source {
         let mut calibrations: BTreeMap<String, Calibration> = BTreeMap::new();
         for used in self.models.iter().filter_map(|m| m.calibration.as_ref()) {

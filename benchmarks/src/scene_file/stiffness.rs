@@ -1,4 +1,4 @@
-//! `stiffness` of a contact: of a tooth pair along the path of contact.
+//! The key `stiffness` of a contact: stiffness of a tooth pair along the path of contact.
 
 use super::error::SceneError;
 use super::reading::Place;
@@ -102,7 +102,7 @@ enum HertzWord {
     Rigid,
 }
 
-/// The stiffness that is asked for.
+/// Reads the stiffness of a contact.
 pub(super) fn stiffness(keys: &StiffnessKeys, at: &Place<'_>) -> Result<PairStiffness, SceneError> {
     Ok(match keys {
         StiffnessKeys::Constant(keys) => PairStiffness::Constant {

@@ -1,5 +1,5 @@
-//! `[study]` and `tolerance`: what is compared, and what counts as accurate enough. What a single study takes stands
-//! in the room of that study.
+//! The keys `[study]` and `tolerance`: defaults of studies and required accuracy. Keys of a single study belong to the
+//! module of that study.
 
 use super::error::SceneError;
 use super::model::ModelChoice;
@@ -88,41 +88,41 @@ pub(super) enum ToleranceChoice {
     Full(ToleranceKeys),
 }
 
-/// Samples of the histories when a scene does not say.
+/// Default number of samples of the histories.
 const DEFAULT_SAMPLES: usize = 2000;
-/// Tolerance of the adaptive methods that are compared when a scene names none.
+/// Default relative tolerance of adaptive methods.
 const DEFAULT_RTOL: f64 = 1e-6;
 
-/// Step of the method that is exact for modes, likewise, at most [s]. It has to resolve the contact and what the modes
-/// do to it, not the modes themselves.
+/// Largest default step of the method that is exact for modes [s]. It resolves the contact and its effect on the modes,
+/// not the modes themselves.
 const EXACT_STEP: f64 = 1e-6;
-/// Step of full finite elements, likewise, in times in which a wave crosses a module.
+/// Default step of full finite elements, in travel times of a wave across a module.
 const CROSSING: f64 = 0.5;
 
-/// What a study of a scene does when the command line does not say otherwise.
+/// Defaults of studies of a scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Study {
     /// Labels of the models, in the order of the scene.
     pub models: Vec<String>,
-    /// Integrators.
+    /// Integration methods with their step or tolerance.
     pub integrators: Vec<Scheme>,
-    /// Locate contact events.
+    /// True if contact events are located.
     pub events: bool,
-    /// Samples of the histories over the duration.
+    /// Number of samples of the histories over the duration.
     pub samples: usize,
-    /// Metrics of interest; empty means all.
+    /// Metrics of interest; empty for all.
     pub quantities: Vec<Metric>,
-    /// Label of a model that is a reference for the others.
+    /// Label of a model that serves as reference for the others.
     pub reference_model: Option<String>,
     /// Frequency above which the force of a mesh counts as ripple [Hz].
     pub ripple_above: Option<f64>,
-    /// Source of published times.
+    /// Source of the published computing times.
     pub published: Option<String>,
-    /// Speeds of a sweep.
+    /// Settings of the speed sweep.
     pub sweep: Sweep,
-    /// Maps of where methods fail.
+    /// Settings of maps of stability.
     pub stability: Vec<StabilitySet>,
-    /// Accuracy against cost.
+    /// Settings of the study of accuracy against cost.
     pub precision: Precision,
 }
 
@@ -157,7 +157,7 @@ pub(super) fn study(keys: StudyKeys, labels: &[&str], at: &Place<'_>) -> Result<
     })
 }
 
-/// The adaptive methods of the table that run every model.
+/// The adaptive methods of the table that can run every model.
 fn default_integrators() -> Vec<Scheme> {
     METHODS
         .iter()
@@ -184,9 +184,9 @@ pub(super) fn default_of(model: &str, gears: &[&GearSpec]) -> Option<Vec<Scheme>
     (properties.modes).then(|| vec![TRIGONOMETRIC.at_step(EXACT_STEP)])
 }
 
-/// The same of a model that is built. Gears with modes take the method that is exact for these, at the longest step up to
-/// [`EXACT_STEP`] at which no mode resonates with it, in one significant digit; where a carrier, a bearing or terms of
-/// rotation couple the modes, an adaptive method.
+/// Default integrators of a model that is built. Gears with modes take the method that is exact for these, at the
+/// longest step up to [`EXACT_STEP`] at which no mode resonates with it, in one significant digit; where a carrier, a
+/// bearing or terms of rotation couple the modes, an adaptive method.
 pub(super) fn default_in(model: &str, scene: &mut Scene) -> Option<Vec<Scheme>> {
     if !properties_of(models(), model).modes {
         return None;
@@ -204,7 +204,7 @@ pub(super) fn default_in(model: &str, scene: &mut Scene) -> Option<Vec<Scheme>> 
     Some(vec![TRIGONOMETRIC.at_step(written)])
 }
 
-/// Time in which a wave of compression crosses a module [s].
+/// Travel time of a compression wave across a module [s].
 fn crossing(gear: &GearSpec) -> f64 {
     let module = match &gear.body {
         Body::Gear(g) => g.params().module,
@@ -213,7 +213,7 @@ fn crossing(gear: &GearSpec) -> f64 {
     module * (gear.material.density / gear.material.young).sqrt()
 }
 
-/// Integrators with their steps or tolerances.
+/// Reads integrators with their steps or tolerances.
 pub(crate) fn schemes(list: &[IntegratorKeys], at: &Place<'_>) -> Result<Vec<Scheme>, SceneError> {
     let schemes = list.iter().enumerate();
     schemes
@@ -258,7 +258,8 @@ fn scheme(keys: &IntegratorKeys, at: &Place<'_>) -> Result<Scheme, SceneError> {
     Ok(Scheme { method, resolution })
 }
 
-/// What is limited where the scene does not say: the integrator's error against the model's own converged solution.
+/// The default metric of a tolerance; against the model's own converged solution it measures the integration error
+/// alone.
 fn metric_against(id: &str) -> Metric {
     match Metric::default() {
         metric if id == SELF => metric.of_integration(),
@@ -266,7 +267,7 @@ fn metric_against(id: &str) -> Metric {
     }
 }
 
-/// Checks `tolerance` against the references that there are: the scene's, and the study's model.
+/// Checks `tolerance` against the available references: those of the scene, and the reference model of the study.
 pub(super) fn tolerance(
     choice: ToleranceChoice,
     models: &[ModelChoice],

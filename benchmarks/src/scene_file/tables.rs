@@ -1,5 +1,4 @@
-//! The text of a table that a user names, for references and measured curves alike: bounded in size and memory, and refused
-//! by its own name where it is something else.
+//! Reading of table files of the user, for references and measured curves, with bounds on size and memory.
 
 use super::error::{SceneError, Source};
 use gearbench_reference::data::{self, TableError};
@@ -8,46 +7,46 @@ use gearbench_reference::{files, limits};
 use std::io::ErrorKind;
 use std::path::Path;
 
-/// Memory that a table takes over the bytes of its text: lines and cells, numbers, what is made of them.
+/// Memory of a table relative to the size of its text: lines, cells, numbers, and derived data.
 const MEMORY_OVER_TEXT: f64 = 14.0;
 
 /// The text of a table.
 pub struct TableText {
     /// Name of the file.
     pub name: String,
-    /// Its text.
+    /// The decoded text of the file.
     pub decoded: String,
-    /// Whether it is Latin-1.
+    /// True if the file is encoded in Latin-1.
     pub latin: bool,
 }
 
-/// Why a file is no table of text, and a way out.
+/// Reason why a file is not a text table, with help.
 pub struct Unreadable {
-    /// What is wrong, with the name of the file.
+    /// The message, with the name of the file.
     pub why: String,
-    /// The way out.
+    /// The help: how to provide a readable file.
     pub help: String,
 }
 
 impl Unreadable {
-    /// The refusal without a place in a scene.
+    /// Converts to an error without a place in a scene.
     pub fn plain(self) -> SceneError {
         SceneError::plain(self.why, self.help)
     }
 }
 
 impl TableText {
-    /// An error of the table at its line; `what` names whose table it is.
+    /// Creates an error at a line of the table; `what` names the kind of table.
     pub fn error(&self, e: &TableError, what: &str) -> SceneError {
         let message = format!("{what}: {e}");
         Source::new(&self.name, &self.decoded).error(e.at.clone(), message, "here", e.help.clone())
     }
 }
 
-/// Reads a table of at most so many bytes; `from` says what paths count from.
+/// Reads a table of at most `largest` bytes; `from` explains what paths are relative to.
 ///
 /// # Errors
-/// [`Unreadable`] where the file is no table of text, or larger than what may be read.
+/// [`Unreadable`] if the file is not a text table, or too large.
 pub fn text(path: &Path, largest: u64, from: &str) -> Result<TableText, Unreadable> {
     let name = path.display().to_string();
     let refuse = |why: String, help: &str| Unreadable {

@@ -1,36 +1,36 @@
-//! Where the values of a scene usually lie, in wide bounds, and units that they are often given in by mistake.
+//! Typical ranges of the values of a scene, in wide bounds, and units in which they are often given by mistake.
 //!
-//! Lengths are rows of one table, [`LENGTHS`]: bounds in metres, in modules or in reference radii, by the end of the path
-//! that leads to the value. They are checked before the geometry is built, so that a refusal of the geometry names the
-//! unit that is probably meant.
+//! Lengths are rows of one table, [`LENGTHS`]: bounds in metres, in modules or in reference radii, by the last key of
+//! the path. They are checked before the geometry is built, so that an error of the geometry can name the unit that was
+//! probably meant.
 
 use super::error::SceneError;
 use super::reading::{Document, Place};
 
-/// A quantity, its unit, where its values lie, and units that it is often given in by mistake with their factors.
+/// Typical range of a quantity with its unit, and units in which it is often given by mistake with their factors.
 pub(super) struct Usual {
     unit: &'static str,
     range: [f64; 2],
     slips: &'static [(f64, &'static str)],
 }
 
-/// Units that lengths are often given in by mistake.
+/// Units in which lengths are often given by mistake.
 const OTHER_LENGTHS: &[(f64, &str)] = &[(1e-3, "millimetres"), (1e-6, "micrometres")];
 /// Bounds of the module [m].
 const MODULES: [f64; 2] = [5e-5, 0.1];
 
-/// What the bounds of a length count in.
+/// Unit in which the bounds of a length are given.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Measure {
-    /// Metres.
+    /// Absolute bounds in metres [m].
     Metre,
-    /// Modules of the gear, outside of gears those of the largest one.
+    /// Modules of the gear; outside of gears those of the largest one.
     Module,
-    /// Radii of the reference circle of the gear, outside of gears those of the largest one.
+    /// Reference radii of the gear; outside of gears those of the largest one.
     Radius,
 }
 
-/// Keys at the end of a path, bounds of the magnitude, and what these count in; the first row that fits counts.
+/// Last key of a path, bounds of the magnitude, and their unit; the first matching row applies.
 #[rustfmt::skip]
 const LENGTHS: &[(&str, [f64; 2], Measure)] = &[
     ("module_m", MODULES, Measure::Metre),
@@ -75,11 +75,11 @@ const LENGTHS: &[(&str, [f64; 2], Measure)] = &[
     ("roughness_m", [0.0, 1e-4], Measure::Metre),
 ];
 
-/// Length keys whose values have no typical range: a unit that the user names.
+/// Length keys without a typical range.
 #[cfg(test)]
 const FREE_LENGTHS: [&str; 1] = ["unit_m"];
 
-/// Lengths of a file that are far from what gears have.
+/// Warns of lengths outside the typical range of gears.
 pub(super) fn lengths(document: &Document) -> Vec<SceneError> {
     let number = |path: &str| document.number(path);
     // A module in millimetres is no measure for the other lengths until it is converted.
@@ -140,7 +140,7 @@ pub(super) fn lengths(document: &Document) -> Vec<SceneError> {
     odd
 }
 
-/// A path without the places of lists.
+/// A path without the indices of lists.
 fn without_places(path: &str) -> String {
     let mut plain = String::new();
     let mut inside = false;
@@ -206,7 +206,7 @@ pub(super) const HELIX_ANGLE: Usual = Usual {
     range: [1.0, 60.0],
     slips: &[(180.0 / std::f64::consts::PI, "radians")],
 };
-/// Inertia over that of the toothing.
+/// Inertia relative to that of the toothing.
 pub(super) const INERTIA: Usual = Usual {
     unit: "times that of the toothing",
     range: [1e-2, 1e5],
@@ -214,7 +214,7 @@ pub(super) const INERTIA: Usual = Usual {
 };
 
 impl Usual {
-    /// What is odd about a value, if anything is, and the value in the unit that is probably meant.
+    /// Returns a warning on an unusual value, with the value in the unit that is probably meant.
     pub(super) fn odd(&self, place: &Place<'_>, key: &str, value: f64) -> Option<SceneError> {
         let [least, most] = self.range;
         if (least..=most).contains(&value.abs()) {
@@ -246,7 +246,7 @@ impl Usual {
     }
 }
 
-/// A number as one would write it.
+/// Formats a number in plain decimal notation where possible.
 fn plain(x: f64) -> String {
     if x == 0.0 || (1e-3..1e6).contains(&x.abs()) {
         format!("{x}")
@@ -255,13 +255,13 @@ fn plain(x: f64) -> String {
     }
 }
 
-/// A product of a number and a unit, without the digits of rounding.
+/// Product of a number and a unit, rounded to remove rounding errors.
 fn suggest_number(x: f64) -> String {
     let digits: f64 = format!("{x:.11e}").parse().unwrap_or(x);
     plain(digits)
 }
 
-/// A bound in as few digits as it needs.
+/// Formats a bound with as few digits as possible.
 fn scientific(x: f64) -> String {
     let short: f64 = format!("{x:.1e}").parse().unwrap_or(x);
     format!("{short:e}")
@@ -272,7 +272,7 @@ mod tests {
     use super::super::reading::keys::tables;
     use super::*;
 
-    /// A further key for a length needs a row.
+    /// Every key of a length has a row in the table of bounds.
     #[test]
     fn every_length_of_the_format_has_bounds() {
         let mut lengths = 0;

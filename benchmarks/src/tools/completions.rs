@@ -1,4 +1,4 @@
-//! `gearbench completions SHELL`: a script that completes commands and options.
+//! The command `gearbench completions SHELL`: a script for the completion of commands and options.
 
 use crate::cli::Cli;
 use crate::cli::answer::Answer;
@@ -19,7 +19,7 @@ pub struct Completions {
     pub shell: Shell,
 }
 
-/// Prints the script.
+/// Prints the completion script of a shell.
 pub fn run(args: &Completions) -> Result<Answer, Refusal> {
     let mut script = Vec::new();
     clap_complete::generate(args.shell, &mut Cli::command(), "gearbench", &mut script);

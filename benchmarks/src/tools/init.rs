@@ -1,4 +1,4 @@
-//! `gearbench init`: a scene file to start from, or the files of a check.
+//! The command `gearbench init`: writes a scene file to start from, or the files of a check.
 
 use crate::cli::answer::Answer;
 use crate::cli::files::{Overwriting, write_whole};
@@ -16,14 +16,14 @@ Examples:
   gearbench init check                          check.toml, for `gearbench check`
   gearbench init workflow                       workflow.yml, which runs that check for every pull request";
 
-/// Scenes to start from beside the shipped ones.
+/// Templates of scenes in addition to the shipped ones.
 const TEMPLATES: [(&str, &str); 3] = [
     ("pair", include_str!("../../templates/pair.toml")),
     ("rack", include_str!("../../templates/rack.toml")),
     ("train", include_str!("../../templates/train.toml")),
 ];
 
-/// Other files to start from: name, ending, content, what to do with it.
+/// Other files to start from: name, extension, content, next step for the user.
 const OTHERS: [(&str, &str, &str, &str); 2] = [
     (
         "check",
@@ -39,10 +39,10 @@ const OTHERS: [(&str, &str, &str, &str); 2] = [
     ),
 ];
 
-/// An example in several files, a folder of its name.
+/// Name of the example with several files, and of its folder.
 const FOLDER: &str = "own_gears";
 
-/// Its files, the one to begin with first.
+/// Files of the example, the main one first.
 const FILES: [(&str, &[u8]); 5] = [
     (
         "press.toml",
@@ -81,7 +81,7 @@ pub struct Init {
     pub force: bool,
 }
 
-/// Writes the scene.
+/// Writes a scene to start from, or a folder of them.
 pub fn run(args: &Init) -> Result<Answer, Refusal> {
     if args.what == FOLDER {
         return write_folder(args);
@@ -99,7 +99,7 @@ pub fn run(args: &Init) -> Result<Answer, Refusal> {
     Ok(Answer::done().with("written", path))
 }
 
-/// Writes files: all of them, or none where one is there already, unless by force.
+/// Writes files: all of them, or none if one exists, unless `force`.
 fn write(files: &[(PathBuf, &[u8])], force: bool) -> Result<(), Refusal> {
     let overwriting = Overwriting {
         inputs: &[],
@@ -116,7 +116,7 @@ fn write(files: &[(PathBuf, &[u8])], force: bool) -> Result<(), Refusal> {
     Ok(())
 }
 
-/// Writes the example of several files into a folder: all of them, or none where one is there already.
+/// Writes the example with several files into a folder: all of them, or none if one exists.
 fn write_folder(args: &Init) -> Result<Answer, Refusal> {
     let folder = (args.out.clone()).unwrap_or_else(|| FOLDER.into());
     std::fs::create_dir_all(&folder)
@@ -132,7 +132,7 @@ fn write_folder(args: &Init) -> Result<Answer, Refusal> {
     Ok(Answer::done().with("written", folder))
 }
 
-/// A template, or a shipped scene.
+/// The text of a template or of a shipped scene.
 fn text(what: &str) -> Result<String, SceneError> {
     if let Some((_, text)) = TEMPLATES.iter().find(|(name, _)| *name == what) {
         return Ok((*text).to_owned());
@@ -157,7 +157,7 @@ fn text(what: &str) -> Result<String, SceneError> {
     }
 }
 
-/// The scene with its fitted constants in tables `[calibration.NAME.LABEL]` of its own.
+/// The scene with its fitted constants in its own tables `[calibration.NAME.LABEL]`.
 fn alone(shipped: &Shipped) -> String {
     let constants: Vec<String> = (shipped.calibration.lines())
         .map(|line| match line.strip_prefix('[') {
@@ -180,7 +180,7 @@ mod tests {
     use super::*;
     use crate::scene_file::{Origin, SceneFile};
 
-    /// What is written is read, whatever its place, and has the constants of the shipped one.
+    /// Written scenes can be read from any folder and have the constants of the shipped ones.
     #[test]
     fn scenes_to_start_from_stand_alone() {
         let names = TEMPLATES

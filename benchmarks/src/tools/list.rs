@@ -1,4 +1,4 @@
-//! `gearbench list`: what there is to name on the command line and in scenes.
+//! The command `gearbench list`: scenes, models, integrators and references by name.
 
 use crate::cli::answer::Answer;
 use crate::cli::terminal::{Refusal, say};
@@ -45,7 +45,7 @@ pub struct List {
     pub clear_cache: bool,
 }
 
-/// Prints the tables.
+/// Prints the tables of scenes, models, integrators, references and caches.
 pub fn run(args: &List) -> Result<Answer, Refusal> {
     let cached = Cached::of(cache::in_use());
     let removed = match args.clear_cache {

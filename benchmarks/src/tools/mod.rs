@@ -1,4 +1,4 @@
-//! What the command does beside studies: scenes to start from, meshes, reductions, lists, reports.
+//! Commands that are not studies: scenes to start from, meshes, reductions, lists, reports.
 
 pub mod completions;
 pub mod init;

@@ -1,4 +1,4 @@
-//! `gearbench report DIR`: the page of a results folder, written again.
+//! The command `gearbench report DIR`: writes the report page of an existing record again.
 
 use crate::cli::answer::Answer;
 use crate::cli::folder_lock::FolderLock;
@@ -17,7 +17,7 @@ pub struct Report {
     pub dir: PathBuf,
 }
 
-/// Folders of studies that a refusal names.
+/// Largest number of study folders that a refusal lists.
 const MOST_NAMED: usize = 5;
 
 fn refuse(dir: &Path, e: ReportError) -> Refusal {
@@ -31,15 +31,15 @@ fn refuse(dir: &Path, e: ReportError) -> Refusal {
     }
 }
 
-/// Bytes that a record may have.
+/// Largest size of a record [bytes].
 const MOST_OF_RECORD: u64 = 1 << 32;
-/// Memory that a record and its charts take over the bytes of its text.
+/// Memory of a record and its charts, relative to the size of its text.
 const MEMORY_OVER_TEXT: f64 = 3.0;
 
-/// Checks that the record of a folder, or at a path that ends in `.json`, is a file that the memory has room for.
+/// Checks that a record, in a folder or at a path that ends in `.json`, is a file that fits into memory.
 ///
 /// # Errors
-/// [`Refusal::Input`] with the file and a way out.
+/// [`Refusal::Input`] with the file and help.
 pub(super) fn check_record(path: &Path) -> Result<(), Refusal> {
     let file = match path.extension().is_some_and(|e| e == "json") {
         true => path.to_owned(),
@@ -58,7 +58,7 @@ pub(super) fn check_record(path: &Path) -> Result<(), Refusal> {
         .map_err(|e| Refusal::Input(miette::miette!("{e}")))
 }
 
-/// Which folder or command is meant where there is no record.
+/// The advice for a folder without a record.
 fn way_out(dir: &Path) -> String {
     if let Some(kind) = file_kind::of(dir).filter(|_| dir.is_file()) {
         let way_out = kind.way_out_of(dir);
@@ -90,7 +90,7 @@ fn way_out(dir: &Path) -> String {
     }
 }
 
-/// Writes the report.
+/// Rewrites the report of a record.
 pub fn run(args: &Report) -> Result<Answer, Refusal> {
     check_record(&args.dir)?;
     // A folder without a record is refused by what reads it.

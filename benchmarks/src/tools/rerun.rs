@@ -1,4 +1,4 @@
-//! `gearbench rerun RECORD`: a study made again from its record, and held against it.
+//! The command `gearbench rerun RECORD`: repeats a study from its record and compares both records.
 //!
 //! The command of the record runs with the scene and the calibrations of the record. All that does not depend on the
 //! clock or the machine has to come out the same, to the last bit, under the same version of gearbench.
@@ -25,7 +25,7 @@ The command repeats the study of the record, with the scene and the calibrations
 compares the new record with it: all values except times have to be equal, else the exit code is 1. It writes to the
 output folder only: options of the study that write a baseline, a calibration or a scene are ignored.";
 
-/// What tells the two programs apart, beside what depends on the clock.
+/// Fields of a record that identify the program that wrote it, apart from those that depend on the clock.
 const OF_THE_PROGRAM: [&str; 2] = ["commit", "source"];
 
 /// Arguments of `rerun`.
@@ -40,7 +40,7 @@ pub struct Rerun {
     pub out: Option<PathBuf>,
 }
 
-/// The study of a record as the command line that makes it again, and where it will lie.
+/// The study of a record as a command line that repeats it.
 pub struct Again {
     /// Words of the command line, without the program.
     pub words: Vec<String>,
@@ -56,7 +56,7 @@ fn refuse(e: &ReportError) -> Refusal {
     ))
 }
 
-/// Reads the record and puts it in the place of its scene.
+/// Reads the record and replaces its scene by the recorded one.
 ///
 /// # Errors [`Refusal`] for a record that cannot be made again: of a version that did not keep its scene, or with files
 /// that have changed.
@@ -111,14 +111,14 @@ impl Again {
         self.before.study().as_str()
     }
 
-    /// Whether the command line runs the study of the record: options that all commands have take no values, and the
+    /// True if the command line runs the study of the record: options that all commands have take no values, and the
     /// first other word is the command.
     pub fn names_its_study(&self) -> bool {
         let command = self.words.iter().find(|word| !word.starts_with('-'));
         command.is_some_and(|word| word == self.study())
     }
 
-    /// Holds the new record against the old one.
+    /// Compares the new record with the old one.
     ///
     /// # Errors
     /// [`Refusal`] when the new record cannot be read.
@@ -146,7 +146,7 @@ impl Again {
     }
 }
 
-/// Counts the values of two trees and lists where they differ, but for what is of the clock.
+/// Counts the values of two trees and lists the differences, except in values that depend on the clock.
 fn differ(at: &str, a: &Value, b: &Value, total: &mut usize, found: &mut Vec<String>) {
     match (a, b) {
         (Value::Object(x), Value::Object(y)) => {

@@ -1,12 +1,13 @@
-//! What these FMUs do not have: variables of other types, clocks, serialised states, partial derivatives, scheduled
-//! execution. Asked for nothing, such a function has done it; else it says what is missing.
+//! Functions of FMI 3.0 for features that these FMUs do not have: variables of other types, clocks, serialised states,
+//! partial derivatives, scheduled execution. A call for zero variables succeeds; any other call logs the missing
+//! feature and fails.
 
 use super::{Log, Logger, Status, text, with};
 use crate::instance::{Done, Failure};
 use std::ffi::{c_char, c_void};
 use std::ptr::null_mut;
 
-/// Nothing was asked for, or a variable that is not there.
+/// Succeeds for zero variables; otherwise fails, as no variable of the type exists.
 fn none(count: usize, what: &str) -> Done {
     match count {
         0 => Ok(()),
@@ -14,7 +15,7 @@ fn none(count: usize, what: &str) -> Done {
     }
 }
 
-/// Accessors of a type of which there are no variables: `(instance, references, count, values, value count)`.
+/// Accessors of variables of a type that does not occur: `(instance, references, count, values, value count)`.
 macro_rules! no_variables {
     ($($get:ident, $set:ident, $value:ty, $what:literal;)*) => { $(
         #[unsafe(no_mangle)]
@@ -54,7 +55,7 @@ no_variables! {
     fmi3GetString, fmi3SetString, *const c_char, "String";
 }
 
-/// Functions with arguments of their own that have nothing to work on.
+/// Functions for features that do not exist; they always fail.
 macro_rules! absent {
     ($($name:ident($($argument:ident: $type:ty),*), $why:literal;)*) => { $(
         #[unsafe(no_mangle)]
@@ -65,7 +66,7 @@ macro_rules! absent {
     )* };
 }
 
-/// The same over a list of variables that is empty.
+/// Functions over a list of variables of a type that does not occur; only an empty list succeeds.
 macro_rules! absent_of {
     ($($name:ident($($argument:ident: $type:ty),*), $what:literal;)*) => { $(
         #[unsafe(no_mangle)]

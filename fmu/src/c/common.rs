@@ -1,4 +1,4 @@
-//! Instances, co-simulation, variables, copies of the state.
+//! The functions of FMI 3.0 for instances, co-simulation, variables and copies of the state.
 
 use super::{ERROR, Handle, Log, Logger, OK, Status, caught, fill, paired, put, read, text, with};
 use crate::instance::{Failure, Instance, Kind, Snapshot};

@@ -1,4 +1,4 @@
-//! Model exchange.
+//! The functions of FMI 3.0 for model exchange.
 
 use super::{Status, fill, put, read, with};
 use crate::instance::{Instance, Kind};

@@ -1,12 +1,12 @@
-//! The functions of FMI 3.0 for C, as `fmi3Functions.h` declares them; all 75, as hosts look for each of them.
+//! The C functions of FMI 3.0, as declared in `fmi3Functions.h`. All 75 exist, as hosts look up each of them.
 //!
 //! | module | owns |
 //! |---|---|
 //! | `common` | instances, co-simulation, variables, copies of the state |
 //! | `exchange` | model exchange |
-//! | `absent` | what these FMUs do not have: other types, clocks, serialisation, partial derivatives |
+//! | `absent` | functions for missing features: other types, clocks, serialisation, partial derivatives |
 //!
-//! Every function takes pointers from its host on trust, as C does, checks them for null, and lets no panic out.
+//! Every function trusts the pointers of its host, as C does, checks them for null, and catches panics.
 
 // Names and arguments are those of the standard.
 #![allow(
@@ -24,23 +24,23 @@ use crate::instance::{Done, Failure, Instance};
 use std::ffi::{CStr, CString, c_char, c_int, c_void};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-/// `fmi3Status`.
+/// Return code of FMI functions, `fmi3Status`.
 pub type Status = c_int;
 pub const OK: Status = 0;
 pub const ERROR: Status = 3;
 pub const FATAL: Status = 4;
 
-/// `fmi3LogMessageCallback`.
+/// Callback for messages to the host, `fmi3LogMessageCallback`.
 pub type Log = Option<unsafe extern "C" fn(*mut c_void, Status, *const c_char, *const c_char)>;
 
-/// What `fmi3Instance` points to.
+/// The object behind the pointer `fmi3Instance`.
 pub(crate) struct Handle {
     instance: Instance,
     name: String,
     logger: Logger,
 }
 
-/// Where messages go.
+/// Callback of the host for messages, with its environment.
 #[derive(Clone, Copy)]
 pub(crate) struct Logger {
     environment: *mut c_void,
@@ -65,7 +65,7 @@ impl Logger {
     }
 }
 
-/// Lets no panic out.
+/// Runs a function and converts a panic to an error.
 fn caught<T>(act: impl FnOnce() -> T) -> Result<T, String> {
     catch_unwind(AssertUnwindSafe(act)).map_err(|panic| {
         let text = panic.downcast_ref::<String>().map(String::as_str);
@@ -74,10 +74,10 @@ fn caught<T>(act: impl FnOnce() -> T) -> Result<T, String> {
     })
 }
 
-/// Does something with an instance.
+/// Calls a function on an instance and logs its failure.
 ///
 /// # Safety
-/// `instance` is null, or one that an instantiating function returned and nobody freed or uses meanwhile.
+/// `instance` is null, or was returned by an instantiating function, is not freed and not in use elsewhere.
 unsafe fn with(
     instance: *mut c_void,
     function: &str,
@@ -99,7 +99,7 @@ unsafe fn with(
     status
 }
 
-/// Numbers that a host hands over.
+/// Borrows an array of the host for reading.
 ///
 /// # Safety
 /// `p` is null or points to `n` of them.
@@ -112,10 +112,10 @@ unsafe fn read<'a, T>(p: *const T, n: usize) -> Done<&'a [T]> {
     }
 }
 
-/// Places that a host wants filled.
+/// Borrows an array of the host for writing.
 ///
 /// # Safety
-/// `p` is null or points to `n` of them, which nobody else uses.
+/// `p` is null or points to `n` elements, which are not in use elsewhere.
 unsafe fn fill<'a, T>(p: *mut T, n: usize) -> Done<&'a mut [T]> {
     match (n, p.is_null()) {
         (0, _) => Ok(&mut []),
@@ -125,7 +125,7 @@ unsafe fn fill<'a, T>(p: *mut T, n: usize) -> Done<&'a mut [T]> {
     }
 }
 
-/// Fills a place, if there is one.
+/// Writes a value to a pointer unless it is null.
 ///
 /// # Safety
 /// `p` is null or may be written to.
@@ -136,7 +136,7 @@ unsafe fn put<T>(p: *mut T, x: T) {
     }
 }
 
-/// A text of the host; empty where there is none.
+/// Reads a C string of the host; empty for a null pointer.
 ///
 /// # Safety
 /// `p` is null or a text that ends with a zero.
@@ -148,7 +148,7 @@ unsafe fn text(p: *const c_char) -> String {
     }
 }
 
-/// As many values as references.
+/// Checks that the numbers of references and values are equal.
 fn paired(references: usize, values: usize) -> Done {
     match references == values {
         true => Ok(()),

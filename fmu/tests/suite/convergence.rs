@@ -1,10 +1,11 @@
 //! Co-simulation of a driveline with a pair of gears, against the same driveline as one system.
 //!
-//! The host has a motor, a shaft and the hub of the pinion; the FMU has the teeth and the wheel. The host goes first, on the
-//! torque of the teeth extrapolated from its value and derivatives; the FMU follows, on the motion of the hub between both
-//! ends of the step. What is extrapolated with `p` terms has an error of `H^p` over the run; a motion that is interpolated
-//! linearly one of `H^2` on springs, cubically less than the extrapolation. (A damper sees the mean speed at the end of a
-//! line, an error of first order: with dampers motions are to be cubic.)
+//! The host contains a motor, a shaft and the hub of the pinion; the FMU contains the teeth and the wheel. The host
+//! steps first, with the torque of the teeth extrapolated from its value and derivatives; the FMU follows, with the
+//! motion of the hub interpolated between both ends of the step. Extrapolation with `p` terms has an error of `H^p`
+//! over the run; linear interpolation of the motion has an error of `H^2` on springs, cubic interpolation less than the
+//! extrapolation. (With linear interpolation a damper has the mean speed at the end of the step, an error of first
+//! order: motions on dampers have to be cubic.)
 //!
 //! The whole is integrated through model exchange, the motion of the hub an input at each stage.
 
@@ -38,23 +39,23 @@ model = "rigid"
 contact = { stiffness = { kind = "constant", stiffness_n_per_m2 = 1.4e10, of = "mesh" }, damping = { law = "kelvin-voigt", damping_ns_per_m = 200.0 } }
 "#;
 
-/// Motor and hub [kg m2], shaft [N m/rad], torque of the motor [N m].
+/// Inertias of motor and hub [kg m^2]; below, stiffness of the shaft [N m/rad] and torque of the motor [N m].
 const INERTIA: [f64; 2] = [2e-3, 1e-3];
 const SHAFT: f64 = 2000.0;
 const MOTOR: f64 = 20.0;
 const END: f64 = 4e-4;
 
-/// Turn of the hub at the start [rad]: the teeth pressed a little less than the torque asks for.
+/// Angle of the hub at the start [rad]: the teeth carry a little less than the torque of the motor.
 const PRESSED: f64 = 8e-5;
 
-/// Turns of motor and hub, then speeds. The shaft is wound up against the teeth: an FMU knows of no acceleration of the hub
-/// before the first step, and there is none.
+/// Angles of motor and hub, then speeds. The shaft balances the teeth at the start, so that the acceleration of the hub
+/// is zero, as the FMU assumes before the first step.
 fn start(fmu: &Fmu) -> [f64; 4] {
     let teeth = fmu.get("pinion.contact_torque");
     [PRESSED - teeth / SHAFT, PRESSED, 0.0, 0.0]
 }
 
-/// What the host's part does under a torque of the teeth.
+/// Time derivative of the driveline in the host, under a torque of the mesh [N m].
 fn driveline([motor, hub, v, w]: [f64; 4], teeth: f64) -> [f64; 4] {
     let shaft = SHAFT * (motor - hub);
     [
@@ -79,10 +80,10 @@ fn runge_kutta<const N: usize>(
     std::array::from_fn(|i| x[i] + h / 6.0 * (a[i] + 2.0 * b[i] + 2.0 * c[i] + d[i]))
 }
 
-/// Times at which both are looked at.
+/// Number of times at which both solutions are compared.
 const LOOKS: u32 = 20;
 
-/// The whole as one system: speeds of the hub at these times.
+/// Speeds of the hub at these times, from the driveline as one system.
 fn whole(package: &Package) -> Vec<f64> {
     let fmu = Fmu::exchanging(package);
     fmu.set("pinion.angle", PRESSED);
@@ -112,7 +113,7 @@ fn whole(package: &Package) -> Vec<f64> {
     seen
 }
 
-/// In two parts, with so many terms of extrapolation, in so many steps.
+/// Speeds of the hub from co-simulation of both parts, with `terms` of extrapolation and a number of steps.
 fn in_parts(package: &Package, terms: usize, linear: bool, steps: u32) -> Vec<f64> {
     let fmu = Fmu::stepping(package);
     fmu.interpolate();

@@ -1,4 +1,4 @@
-//! Without inputs an FMU is the run of its scene, whatever the communication points.
+//! Without inputs an FMU reproduces the run of its scene, for any communication points.
 
 use crate::host::Fmu;
 use crate::{packed, scheme, shipped};
@@ -8,7 +8,7 @@ use gearbench_integrators::system::Report;
 use gearbench_integrators::{NullSink, Outputs, TimePlan, Work};
 use gearbench_models::scene::{Channel, OfGear, Scene};
 
-/// Channels of a run of the scene without an FMU.
+/// Runs the scene without an FMU and returns its channels.
 fn run(file: &SceneFile, model: &str, method: &str, t_end: f64) -> (Scene, Vec<f64>) {
     let choice = file.model(model).unwrap();
     let mut scene = Scene::build(&file.spec_for(choice), &choice.modelling, models()).unwrap();
@@ -28,7 +28,7 @@ fn run(file: &SceneFile, model: &str, method: &str, t_end: f64) -> (Scene, Vec<f
     (scene, out.channels)
 }
 
-/// The greatest difference of speeds and angles, over their magnitude.
+/// Largest relative difference of speeds and angles between FMU and scene.
 fn difference(name: &str, model: &str, method: &str, [step, steps]: [f64; 2], start: f64) -> f64 {
     let file = shipped(name);
     let fmu = Fmu::stepping(&packed(&file, model, method, &[]));

@@ -1,4 +1,4 @@
-//! Model exchange: a host with a method of its own that locates events, against the run of the scene.
+//! Model exchange: a host with its own integration method and event location, compared with the run of the scene.
 
 use crate::host::Fmu;
 use crate::{packed, shipped};
@@ -26,7 +26,7 @@ fn runge_kutta(fmu: &Fmu, t: f64, x: &[f64], h: f64) -> Vec<f64> {
     to
 }
 
-/// Runs to the end; the number of events.
+/// Runs to the end and returns the number of events.
 fn run(fmu: &Fmu, h: f64, t_end: f64) -> usize {
     fmu.initialise(0.0);
     let mut next = fmu.event();

@@ -1,4 +1,4 @@
-//! A host: declarations of `fmi3Functions.h`, and an instance behind them.
+//! A host of FMUs for tests: declarations of `fmi3Functions.h`, and an instance used through them.
 
 use gearbench::fmu::package::Package;
 use gearbench_fmu as _;
@@ -99,7 +99,7 @@ unsafe extern "C" {
     ) -> c_int;
 }
 
-/// What stands for all functions: only their addresses count.
+/// Declares the functions of the standard without their signatures: only the addresses are compared.
 macro_rules! exported {
     ($($name:ident)*) => {
         mod addresses {
@@ -136,7 +136,7 @@ mod all_functions {
 pub use all_functions::all;
 
 thread_local! {
-    /// What instances of this thread said.
+    /// Messages that instances of this thread logged.
     static SAID: RefCell<Vec<String>> = const { RefCell::new(Vec::new()) };
 }
 
@@ -150,7 +150,7 @@ unsafe extern "C" fn listen(
     SAID.with_borrow_mut(|said| said.push(format!("{status}: {text}")));
 }
 
-/// What was said since the last call.
+/// Returns the messages logged since the last call.
 pub fn said() -> String {
     SAID.with_borrow_mut(std::mem::take).join("\n")
 }
@@ -168,7 +168,7 @@ fn attribute<'a>(text: &'a str, name: &str) -> Option<&'a str> {
     Some(after.split_once('"')?.0)
 }
 
-/// An instance, as its host holds it.
+/// An instance as used by a host.
 pub struct Fmu {
     instance: *mut c_void,
     folder: TempDir,
@@ -176,7 +176,7 @@ pub struct Fmu {
     pub outputs: Vec<String>,
 }
 
-/// A state to go back to.
+/// A copy of the state to return to; freed when dropped.
 pub struct Kept<'a>(&'a Fmu, *mut c_void);
 
 impl Drop for Kept<'_> {
@@ -239,7 +239,7 @@ impl Fmu {
         })
     }
 
-    /// Whether an instance without a name is made.
+    /// True if the library accepts an instance without a name.
     pub fn is_made_without_a_name(package: &Package) -> bool {
         let named = Self::stepping(package);
         let resources = format!("{}/resources/", named.folder.path().display());
@@ -266,12 +266,12 @@ impl Fmu {
         Self::try_new(package, exchange, None).unwrap_or_else(|| panic!("{}", said()))
     }
 
-    /// For co-simulation.
+    /// An instance for co-simulation.
     pub fn stepping(package: &Package) -> Fmu {
         Self::made(package, false)
     }
 
-    /// For model exchange.
+    /// An instance for model exchange.
     pub fn exchanging(package: &Package) -> Fmu {
         Self::made(package, true)
     }
@@ -302,7 +302,7 @@ impl Fmu {
         unsafe { fmi3SetContinuousStates(self.instance, x.as_ptr(), x.len()) }
     }
 
-    /// Whether derivatives can be read, and what they are.
+    /// Reads the derivatives of the continuous states; returns the status and the values.
     pub fn try_rates(&self) -> (c_int, Vec<f64>) {
         let mut x = vec![0.0; self.sizes()[0]];
         let status =
@@ -326,7 +326,7 @@ impl Fmu {
         x
     }
 
-    /// All outputs in one call.
+    /// The values of all outputs, read in one call.
     pub fn look(&self) -> Vec<f64> {
         let r: Vec<u32> = self
             .outputs
@@ -430,7 +430,7 @@ impl Fmu {
         z
     }
 
-    /// An event; the next time event.
+    /// Handles an event and returns the time of the next one.
     pub fn event(&self) -> Option<f64> {
         self.ok(unsafe { fmi3EnterEventMode(self.instance) });
         let mut flags = [false; 5];
@@ -441,7 +441,7 @@ impl Fmu {
         flags[4].then_some(next)
     }
 
-    /// A completed step; whether it asks for an event.
+    /// Completes a step; true if the instance requests an event.
     pub fn completed(&self) -> bool {
         let (mut event, mut end) = (false, false);
         self.ok(unsafe { fmi3CompletedIntegratorStep(self.instance, true, &mut event, &mut end) });

@@ -1,4 +1,4 @@
-//! FMUs as a host meets them: through the functions of the standard, declared here as `fmi3Functions.h` declares them.
+//! Tests of FMUs through the functions of the standard, declared here as in `fmi3Functions.h`.
 
 #![allow(missing_docs)]
 #![allow(clippy::print_stdout)] // measured numbers belong to the log of a test run
@@ -16,7 +16,7 @@ use gearbench::fmu::package::Package;
 use gearbench::scene_file::{Origin, SceneFile, Selection, load_for};
 use gearbench_integrators::Scheme;
 
-/// A shipped scene.
+/// Loads a shipped scene by name.
 fn shipped(name: &str) -> SceneFile {
     load_for(name, Selection::None).unwrap_or_else(|e| panic!("{name}: {}", e.told()))
 }

@@ -1,4 +1,4 @@
-//! What the library refuses, and says so; that all functions are there.
+//! Refused calls of the library with their messages; presence of all functions of the standard.
 
 use crate::host::{Fmu, all, said, version};
 use crate::{packed, scene, shipped};

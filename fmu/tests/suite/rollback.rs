@@ -1,4 +1,4 @@
-//! A host that goes back gets, bit for bit, what it would have got had it never gone.
+//! A host that restores an earlier state gets bit for bit the results of a run without the detour.
 
 use crate::host::Fmu;
 use crate::{packed, shipped};
@@ -21,12 +21,12 @@ impl Random {
 
 const STEP: f64 = 1e-5;
 
-/// What the host applies, linear over each step.
+/// Torque of the host at the start of step `i` [N m], interpolated linearly within each step.
 fn torque(i: usize) -> f64 {
     4.0 * (0.02 * i as f64).sin()
 }
 
-/// A step of the run that counts.
+/// A step of the run without rollback.
 fn step(fmu: &Fmu, i: usize) -> Vec<u64> {
     fmu.set("pinion.torque", torque(i));
     fmu.set("pinion.torque_end", torque(i + 1));

@@ -1,14 +1,14 @@
-//! Do `compare` and `choose` answer alike? Both are run on scenes as users write them, as a user runs them, and their records
-//! are held against each other and against what they say.
+//! Agreement of `compare` and `choose`. Both commands are run on typical scenes of users, and their records are
+//! compared with each other and with their own messages.
 //!
-//! | a contradiction is | |
+//! | contradiction | condition |
 //! |---|---|
 //! | models | one command calls the scene's own rigid gears adequate, the other not adequate, in the same metric and tolerance |
 //! | finding | the finding of `compare` does not name the cheapest adequate run of its record, or names one where there is none |
-//! | exit code | it is not what the record says |
-//! | tolerance | a model is called adequate whose error against refined gears (twice the elements, half-spaces) is beyond it |
+//! | exit code | the exit code does not agree with the record |
+//! | tolerance | an adequate model has an error against refined gears (twice the elements, half-spaces) above it |
 //!
-//! "Not decided" of one command contradicts no answer of the other; it is counted, with its reason.
+//! "Not decided" of one command does not contradict any verdict of the other; it is counted, with its reason.
 
 mod scenes;
 
@@ -21,7 +21,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// What came of a scene.
+/// Result of `compare` and `choose` for one scene.
 #[derive(Clone, Debug, Default)]
 pub struct Row {
     pub number: usize,
@@ -30,25 +30,25 @@ pub struct Row {
     pub tolerance: f64,
     /// Exit codes of `compare` and `choose`.
     pub codes: [Option<i32>; 2],
-    /// Answer of `compare` on each model of the scene.
+    /// Adequacy of each model of the scene according to `compare`.
     pub models: Vec<(String, Option<Adequacy>)>,
-    /// Error of the yardstick of each command.
+    /// Error of the reference (yardstick) of each command.
     pub yardstick: [Option<f64>; 2],
-    /// Answer of `choose`, and the level that it chose.
+    /// Verdict of `choose`, and the chosen level.
     pub choice: (Option<Verdict>, String),
-    /// Its answer on the scene's own rigid gears.
+    /// Adequacy of the scene's own rigid gears according to `choose`.
     pub own_rigid: Option<Adequacy>,
-    /// Why something is not decided.
+    /// Reason why something is not decided.
     pub reason: String,
     pub contradictions: Vec<String>,
 }
 
-/// Bounds of a command, so that forty scenes are done in an hour.
+/// Bounds on each command, so that forty scenes take less than an hour.
 const BOUNDS: [&str; 2] = ["--timeout", "20"];
-/// Processor time that a choice may take [s].
+/// Budget of processor time of a choice [s].
 const BUDGET: &str = "120";
 
-/// Runs both commands on a scene, in a folder of its own.
+/// Runs both commands on a scene in a folder of its own and compares their records.
 ///
 /// # Errors
 /// [`io::Error`]: the folder cannot be written, or the program not started.
@@ -104,7 +104,7 @@ pub fn compare_answers(of: &UserScene, gearbench: &Path, folder: &Path) -> io::R
     Ok(row)
 }
 
-/// The best answer on a model, and its best run.
+/// The best adequacy of each model, with its best run.
 fn answers(record: &Results) -> Vec<(String, Option<Adequacy>, Option<f64>)> {
     let yardstick = yardstick_of(record);
     let Some(tolerance) = &record.tolerance else {
@@ -169,7 +169,7 @@ impl Row {
         }
     }
 
-    /// Label and integrator of the cheapest adequate run of a record, as the finding writes them.
+    /// Label and integrator of the cheapest adequate run of a record, in the form of the finding.
     fn cheapest(&self, record: &Results) -> Option<String> {
         let (yardstick, tolerance) = (yardstick_of(record)?, record.tolerance.as_ref()?);
         let adequate = |r: &&Run| {
@@ -243,7 +243,7 @@ impl Row {
         }
     }
 
-    /// Whether nothing is decided by a command.
+    /// True, by command, if the command decided nothing (`compare`, then `choose`).
     pub fn undecided(&self) -> [bool; 2] {
         let some = |wanted| self.models.iter().any(|(_, a)| *a == Some(wanted));
         [
@@ -253,7 +253,7 @@ impl Row {
     }
 }
 
-/// A table of all rows in Markdown.
+/// The table of all rows in Markdown.
 pub fn table(rows: &[Row]) -> String {
     let mut text = String::from(
         "| scene | kind | metric, tolerance | compare: yardstick's error | rigid | elastic | choose: yardstick's error | answer | own rigid gears | contradictions |\n|---|---|---|---|---|---|---|---|---|---|\n",
@@ -303,7 +303,7 @@ pub fn table(rows: &[Row]) -> String {
     text
 }
 
-/// The program that stands next to this one.
+/// The path of the program `gearbench` in the folder of this program.
 pub fn next_to_this() -> PathBuf {
     let own = std::env::current_exe().unwrap_or_default();
     own.with_file_name(format!("gearbench{}", std::env::consts::EXE_SUFFIX))

@@ -1,7 +1,7 @@
-//! Scenes as users write them, sampled at random: eight kinds in turn, each with its own sizes, loads, speeds and damping.
+//! Random scenes in the style of users: eight kinds in turn, each with its own sizes, loads, speeds and damping.
 //!
-//! Scene `n` follows from the seed and `n` alone. Gears are small and meshes coarse, so that refined gears of them are solved
-//! in seconds; what is asked for differs from scene to scene, so that some models are enough and others are not.
+//! Scene `n` follows from the seed and `n` alone. Gears are small and meshes coarse, so that the refined gears are
+//! solved in seconds; the required accuracy varies, so that some models are adequate and others are not.
 
 use crate::sampling::random::{Random, fitting, short};
 use std::f64::consts::TAU;
@@ -9,10 +9,10 @@ use std::fmt::Write as _;
 
 /// Seed of the scenes; it was committed before any of them was run.
 pub const SEED: u64 = 74_120_263_511_907;
-/// Scenes that there are.
+/// Number of the sampled scenes.
 pub const SCENES: usize = 40;
 
-/// What happens in a scene.
+/// Kind of a sampled scene: mechanism and loading.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     PairLoaded,
@@ -37,7 +37,7 @@ impl Kind {
         Kind::Planetary,
     ];
 
-    /// In words.
+    /// The name of the kind in tables.
     pub fn as_str(self) -> &'static str {
         match self {
             Kind::PairLoaded => "pair under load",
@@ -52,24 +52,24 @@ impl Kind {
     }
 }
 
-/// A sampled scene.
+/// A sampled scene with the metric and the tolerance of its question.
 #[derive(Clone, Debug)]
 pub struct UserScene {
     pub number: usize,
     pub kind: Kind,
-    /// Metric that is asked for, as the command line calls it.
+    /// Metric of the question, by its name on the command line.
     pub metric: &'static str,
     pub tolerance: f64,
     pub text: String,
 }
 
-/// What gears of a scene have in common [m].
+/// Module and face width that the gears of a scene share [m].
 struct Toothing {
     module: f64,
     width: f64,
 }
 
-/// Scene `number` of [`SCENES`], from 1.
+/// Samples the scene with a number from 1 to [`SCENES`].
 pub fn scene(number: usize) -> UserScene {
     let kind = Kind::ALL[(number - 1) % Kind::ALL.len()];
     let r = &mut Random::of(SEED, number, 0);
@@ -169,7 +169,7 @@ integrators = [{{ method = \"dopri5\", rtol = 1e-6 }}, {{ method = \"rk4\", step
     )
 }
 
-/// The table of a gear.
+/// The table `[gears.NAME]` of a gear.
 fn gear(name: &str, teeth: u32, of: &Toothing, bore: f64, further: &str) -> String {
     format!(
         "
@@ -185,13 +185,13 @@ bore_radius_m = {}
     )
 }
 
-/// Torque at a load per width of 20 to 100 N/mm on a gear [N m].
+/// Random torque for a load per face width of 20 to 100 N/mm on a gear [N m].
 fn torque(r: &mut Random, teeth: u32, of: &Toothing) -> f64 {
     let force = r.decades(2e4, 1e5) * of.width;
     short(force * 0.5 * f64::from(teeth) * of.module * 20_f64.to_radians().cos())
 }
 
-/// Time of some mesh cycles of a gear [s].
+/// Duration of a random number of mesh cycles of a gear [s].
 fn cycles(r: &mut Random, teeth: u32, speed: f64) -> f64 {
     short(r.one(&[2.0, 3.0]) * TAU / (f64::from(teeth) * speed))
 }
@@ -427,7 +427,7 @@ mod tests {
     use super::*;
     use gearbench::scene_file::{Origin, SceneFile};
 
-    /// Every scene is one that gearbench reads, and none depends on another.
+    /// Every scene can be read, and scenes are independent of each other.
     #[test]
     fn scenes_are_read_and_are_what_they_were() {
         for number in 1..=SCENES {

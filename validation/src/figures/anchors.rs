@@ -5,16 +5,16 @@
 //! 0.12<!--=impact.peak %--> and 0.08 %<!--=impact.impulse-->
 //! ```
 //!
-//! A page does not show the comment. The unit stands between number and comment, or in the comment where several numbers
-//! share one unit. A figure is right if the stored value, rounded to the digits that are printed, gives these digits;
-//! zeros at the end of a whole number count as rounded. A number without sign is a magnitude.
+//! The comment is not visible on the page. The unit is between number and comment, or in the comment if several numbers
+//! share one unit. A figure is right if the stored value, rounded to the printed digits, equals it; zeros at the end of
+//! an integer count as rounded. A number without sign is a magnitude.
 
 use std::ops::Range;
 
-/// Start and end of the comment.
+/// Start and end of the comment with the name of a figure.
 const COMMENT: [&str; 2] = ["<!--=", "-->"];
 
-/// Units of printed numbers, in the unit of stored values.
+/// Units of printed numbers with their factors to the unit of stored values.
 const UNITS: [(&str, f64); 19] = [
     ("%", 1e-2),
     ("s", 1.0),
@@ -42,20 +42,20 @@ const UNITS: [(&str, f64); 19] = [
 pub struct Anchor {
     /// Name of the stored value: source and key.
     pub id: String,
-    /// The printed number.
+    /// The number as the document prints it.
     pub printed: String,
-    /// Its place in the text.
+    /// Byte range of the number in the text.
     pub at: Range<usize>,
-    /// Stored value over printed number.
+    /// Factor from the printed number to the stored value.
     pub unit: f64,
     /// Line of the document, from 1.
     pub line: usize,
 }
 
-/// The figures of a document in their order.
+/// Finds the figures of a document in their order.
 ///
 /// # Errors
-/// A comment without a number before it, with an unknown unit or without an end: its line, and what is wrong.
+/// A comment has no number before it, an unknown unit or no end: message with its line.
 pub fn anchors(text: &str) -> Result<Vec<Anchor>, String> {
     let mut found = Vec::new();
     let mut from = 0;
@@ -91,7 +91,7 @@ pub fn anchors(text: &str) -> Result<Vec<Anchor>, String> {
     Ok(found)
 }
 
-/// Text before the unit that it ends with, and that unit; a number without unit has the unit 1.
+/// Splits a text into number and unit; the unit of a plain number is 1.
 fn without_unit(text: &str) -> (&str, f64) {
     let of = |(name, factor): &(&str, f64)| {
         let rest = text.strip_suffix(name)?.strip_suffix(' ')?;
@@ -116,7 +116,7 @@ fn value(printed: &str) -> Option<f64> {
 }
 
 impl Anchor {
-    /// The stored value as this document prints it.
+    /// Formats the stored value in the form of the printed number.
     pub fn rounded(&self, stored: f64) -> String {
         let signed = self.printed.starts_with(['-', '+']);
         let x = stored / self.unit;
@@ -144,7 +144,7 @@ impl Anchor {
     }
 }
 
-/// A value rounded to as many significant digits as a printed whole number has.
+/// Rounds a value to as many significant digits as a printed integer has.
 fn whole(printed: &str, x: f64) -> f64 {
     let digits: String = printed.chars().filter(char::is_ascii_digit).collect();
     let significant = digits.trim_end_matches('0').len().max(1);
@@ -157,7 +157,7 @@ fn whole(printed: &str, x: f64) -> f64 {
     }
 }
 
-/// The document with all figures as stored; `None` where nothing is stored under a name.
+/// Replaces the figures of a document by the stored values; figures without a stored value stay as they are.
 pub fn with_figures(
     text: &str,
     anchors: &[Anchor],

@@ -20,7 +20,7 @@ use std::collections::BTreeMap;
 use std::fmt;
 use std::path::{Path, PathBuf};
 
-/// The stored values, from the folder of the repository.
+/// Path of the stored values in the repository.
 const STORED: &str = "validation/results/figures.json";
 
 /// The values that one command measured.
@@ -45,7 +45,7 @@ pub struct Difference {
     line: usize,
     id: String,
     printed: String,
-    /// What is stored, rounded as the document prints it; `None` where nothing is.
+    /// The stored value, rounded as the document prints it; `None` where no value is stored.
     stored: Option<String>,
 }
 
@@ -60,13 +60,13 @@ impl fmt::Display for Difference {
     }
 }
 
-/// The folder of the repository that this program was built in.
+/// The root of the repository from which this program was built.
 pub fn repository() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
 }
 
 impl Figures {
-    /// The stored ones.
+    /// Loads the stored values from the folder of the repository.
     ///
     /// # Errors
     /// The file cannot be read: which, and why.
@@ -77,7 +77,7 @@ impl Figures {
         serde_json::from_str(&text).map_err(|e| format!("{}: {e}", path.display()))
     }
 
-    /// Measures the figures of some sources, or of all, and stores them after each.
+    /// Measures the figures of some sources, or of all, and stores them after each source.
     ///
     /// # Errors
     /// An unknown source, a command that fails, a figure that it does not state.
@@ -122,13 +122,13 @@ impl Figures {
         Ok(())
     }
 
-    /// The value of a name, `source.key`.
+    /// Returns the value with a name, `source.key`.
     fn get(&self, id: &str) -> Option<f64> {
         let (source, key) = id.split_once('.')?;
         self.0.get(source)?.values.get(key).copied()
     }
 
-    /// Figures of a document that differ from the stored ones.
+    /// Returns the figures of a document that differ from the stored ones.
     ///
     /// # Errors
     /// A comment that names no figure, with its place.
@@ -147,7 +147,7 @@ impl Figures {
         Ok(found.into_iter().filter_map(differs).collect())
     }
 
-    /// Writes the stored values into all documents and returns the differences that there were.
+    /// Writes the stored values into all documents and returns the previous differences.
     ///
     /// # Errors
     /// A document that cannot be read or written, or a comment that names no figure.
@@ -166,7 +166,7 @@ impl Figures {
     }
 }
 
-/// The documents that may quote figures, by their path in the repository.
+/// Reads the documents that may contain figures, with their paths in the repository.
 fn documents(root: &Path) -> Result<Vec<(PathBuf, String)>, String> {
     let mut found = vec![root.join("README.md")];
     let mut folders = vec![root.join("docs")];

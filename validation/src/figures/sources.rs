@@ -1,4 +1,4 @@
-//! Commands that measure figures, and where a figure is in what they write.
+//! Commands that measure figures, and the places of figures in their records.
 
 use serde::Deserialize;
 use serde_json::Value;
@@ -6,29 +6,29 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-/// The file of all sources.
+/// Contents of the file of all sources.
 const FILE: &str = include_str!("../../figures.toml");
 
-/// First word of a line of output that states a figure: `figure KEY VALUE`.
+/// First word of an output line with a figure: `figure KEY VALUE`.
 const FIGURE: &str = "figure ";
 
 /// A command that measures figures.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Source {
-    /// First part of the names of its figures.
+    /// First part of the names of the figures.
     pub name: String,
-    /// Command line, from the folder of the repository.
+    /// Command line, run in the root of the repository.
     pub command: String,
-    /// Paths in the record that `gearbench` writes, by key. Without them the command prints `figure KEY VALUE`.
+    /// Paths of the figures in the record of `gearbench`, by key. Without them the command prints `figure KEY VALUE`.
     #[serde(default)]
     pub figures: BTreeMap<String, String>,
 }
 
-/// All sources.
+/// Reads all sources of figures from `validation/figures.toml`.
 ///
 /// # Errors
-/// The file cannot be read as such: what TOML says of it.
+/// The file cannot be parsed: message of the TOML parser.
 pub fn sources() -> Result<Vec<Source>, String> {
     #[derive(Deserialize)]
     #[serde(deny_unknown_fields)]
@@ -43,7 +43,7 @@ impl Source {
     /// Runs the command in a folder and reads its figures.
     ///
     /// # Errors
-    /// The command does not start or writes no record, or a figure is not in what it writes.
+    /// The command does not start or writes no record, or a figure is missing in it.
     pub fn measure(&self, root: &Path, gearbench: &Path) -> Result<BTreeMap<String, f64>, String> {
         let mut words = self.command.split_whitespace();
         let program = words.next().ok_or("an empty command")?;
@@ -76,7 +76,7 @@ impl Source {
     }
 }
 
-/// Figures that a program states on standard output.
+/// Figures that a program prints on standard output.
 fn stated(output: &str) -> BTreeMap<String, f64> {
     let figure = |line: &str| {
         // The harness of tests prints the name of a test before the first line of its output.

@@ -1,10 +1,10 @@
-//! The tables of identified constants in Markdown.
+//! Tables of identified constants in Markdown.
 
 use super::{BARS, Carried, N_PER_MM_UM, keeps};
 use gearbench_reports::identify::DataRecord;
 use std::fmt::Write as _;
 
-/// The tables in Markdown.
+/// Writes the tables of all scenes in Markdown.
 pub fn markdown(all: &[Carried], command: &str) -> String {
     let mut out = format!("<!-- {command} -->\n");
     let percent = |x: Option<f64>| x.map_or_else(|| "-".into(), |x| format!("{:+.2} %", 100.0 * x));

@@ -1,16 +1,16 @@
-//! Which constants are fitted to finite elements.
+//! List of the constants that are fitted to finite elements.
 
 use gearbench::scene_file::SceneFile;
 
-/// What is fitted.
+/// A fit: model, free constants and constants at fixed values.
 pub struct Wanted {
-    /// Name.
+    /// Name of the fit in tables.
     pub name: &'static str,
     /// Id of the model.
     pub model: &'static str,
-    /// Keys, those of the model where there are none; `*.` stands for each gear.
+    /// Keys of the free constants, `None` for the default of the model; `*.` stands for each gear.
     pub keys: Option<&'static [&'static str]>,
-    /// Keys that are held.
+    /// Keys of fixed constants with their values.
     pub held: &'static [(&'static str, f64)],
 }
 
@@ -22,7 +22,7 @@ const CONTACT_DAMPER: &str = "damping_ns_per_m";
 const SLOPE: &str = "path_slope";
 const GAP: &str = "gap_m";
 
-/// The fits of a scene. Where the data do not tell how much a contact damps it is held at what fits start from.
+/// The fits of a scene. Where the data do not determine the damping of a contact, it keeps its initial value.
 pub const WANTED: &[Wanted] = &[
     of("rigid", "rigid", None),
     of("rigid, along the path", "rigid", Some(&[K, SLOPE, GAP])),
@@ -72,7 +72,7 @@ const fn of(
     }
 }
 
-/// A key, or that of each gear.
+/// Replaces a key with `*.` by the keys of all gears.
 pub fn of_gears(key: &str, scene: &SceneFile) -> Vec<String> {
     match key.strip_prefix("*.") {
         Some(key) => (scene.spec.gears.iter())

@@ -1,4 +1,4 @@
-//! Distributions that the parameters of a scene are sampled from.
+//! Distributions of the parameters of random scenes.
 
 use super::random::{Random, fitting, short};
 use super::sets::{SampleError, Set};
@@ -6,35 +6,35 @@ use super::toothing::{PAIRS, RACKS, Toothing};
 use gearbench_reports::Metric;
 use std::f64::consts::{PI, TAU};
 
-/// Longest scene [s].
+/// Longest duration of a scene [s].
 pub const LONGEST: f64 = 20e-3;
-/// Part of the scenes that are of one impact, and of these with those of several.
+/// Share of the scenes with one impact.
 const IMPACTS: f64 = 0.45;
-/// See [`IMPACTS`].
+/// Share of the scenes with one or several impacts; see [`IMPACTS`].
 const FREE: f64 = 0.70;
-/// Part of the scenes without damping.
+/// Share of the scenes without damping.
 const UNDAMPED: f64 = 0.35;
-/// Penalty over the module [Pa/m m]: 1e15 Pa/m for 4 mm.
+/// Penalty over the module [Pa/m m]; this is 1e15 Pa/m at 4 mm.
 const PENALTY: f64 = 4e12;
-/// First frequency of a tooth over the module [Hz m].
+/// First natural frequency of a tooth times the module [Hz m].
 const TOOTH_FREQUENCY: f64 = 244.0;
 
-/// What happens in a scene.
+/// Kind of loading of a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Kind {
     Impact,
-    /// Several impacts within the backlash.
+    /// Several impacts within the backlash, on alternating flanks.
     Hammer,
     /// Running under load for some mesh cycles.
     Load,
 }
 
 impl Kind {
-    /// All kinds.
+    /// All kinds of loading.
     #[cfg(test)]
     pub const ALL: [Kind; 3] = [Kind::Impact, Kind::Hammer, Kind::Load];
 
-    /// The word of records.
+    /// The name of the kind in records.
     pub fn as_str(self) -> &'static str {
         match self {
             Kind::Impact => "one impact",
@@ -43,8 +43,9 @@ impl Kind {
         }
     }
 
-    /// Metrics that are asked for. After several impacts a history is all phase, so hammering is validated by numbers
-    /// of the whole; under load the speed swings about a mean, and where it ends says little.
+    /// Metrics of the questions. After several impacts the phase dominates the error of a history, so hammering is
+    /// validated by scalar quantities; under load the speed oscillates about a mean, and its final value has little
+    /// meaning.
     pub fn metrics(self) -> &'static [Metric] {
         match self {
             Kind::Impact => &[
@@ -65,7 +66,7 @@ impl Kind {
     }
 }
 
-/// Tolerances that are asked for.
+/// Tolerances of the questions.
 pub const TOLERANCES: [f64; 5] = [0.01, 0.02, 0.05, 0.1, 0.2];
 
 /// Mount of the second gear.
@@ -81,12 +82,12 @@ pub enum Second {
 pub enum Load {
     None,
     Constant(f64),
-    /// From zero, up to a time [s].
+    /// A ramp from zero to a value, up to a time [s].
     Ramp(f64, f64),
     Viscous(f64),
 }
 
-/// All that a scene is written from.
+/// Sampled parameters from which a scene is written.
 #[derive(Clone, Debug)]
 pub struct Parameters {
     pub set: String,
@@ -95,25 +96,25 @@ pub struct Parameters {
     pub metric: Metric,
     pub tolerance: f64,
     pub toothing: Toothing,
-    /// Inertia or mass at the hubs.
+    /// Added inertia [kg m^2] or mass [kg] of the hubs.
     pub added: [f64; 2],
     pub second: Second,
     pub speed: [f64; 2],
     pub load: [Load; 2],
     pub backlash: f64,
     pub gap: f64,
-    /// Place of the first pair on the middle part of the path of contact, 0 to 1.
+    /// Position of the first tooth pair on the middle part of the path of contact, 0 to 1.
     pub place: f64,
     pub penalty: f64,
-    /// Dashpot of flank points [N s/m per m^2].
+    /// Dashpots of flank points per area [N s/m per m^2].
     pub dashpot: f64,
     pub modal_ratio: f64,
     pub rigid_ratio: f64,
-    /// Length of an impact [s].
+    /// Duration of an impact [s].
     pub contact_time: f64,
-    /// Impacts, or mesh cycles.
+    /// Number of impacts, or of mesh cycles.
     pub count: u32,
-    /// Time that rigid gears are given to do what the kind says [s].
+    /// Time bound for rigid gears to complete the motion of the kind [s].
     pub window: f64,
 }
 
@@ -270,7 +271,7 @@ pub fn parameters(r: &mut Random, set: &Set, number: usize) -> Result<Parameters
     Ok(p)
 }
 
-/// Speeds at which the second gear's flank recedes at `rolling` and the first approaches it [m/s].
+/// Sets speeds such that the second gear's flank recedes at `rolling` and the first approaches it [m/s].
 fn move_apart(p: &mut Parameters, effective_radii: [f64; 2], rolling: f64, approach: f64) {
     // A rack slides the way the flank of the gear goes, a wheel turns against it.
     let along = if p.toothing.rack { 1.0 } else { -1.0 };

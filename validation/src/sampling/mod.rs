@@ -1,4 +1,4 @@
-//! Scenes sampled at random, on which a choice of model is validated.
+//! Random scenes for the validation of model choices.
 //!
 //! A set has a seed; scene `n` of it follows from the seed and `n` alone. Gears come from a short list, everything else
 //! from distributions: approach speed `v`, added inertia, load, damping, backlash, start, mount, metric, tolerance.
@@ -11,9 +11,10 @@
 //! are length and peak force of an impact, by which loads and durations are scaled. There are three kinds of scenes:
 //! one impact, several impacts within the backlash, and running under load for some mesh cycles.
 //!
-//! A scene is sound when rigid gears of the norm's stiffness do in it what its kind says, and no tooth is loaded beyond
-//! what steel bears; rigid gears take microseconds and say when contacts begin and end, from which the duration
-//! follows. A scene that is not sound is sampled again from the next stream of random numbers, and that is counted.
+//! A scene is valid if rigid gears of the norm's stiffness move in it according to its kind, and no tooth is loaded
+//! beyond the strength of steel. The run of rigid gears takes microseconds and gives begin and end of the contacts,
+//! from which the duration follows. An invalid scene is sampled again from the next stream of random numbers, and this
+//! is counted.
 
 mod distributions;
 pub mod random;
@@ -34,40 +35,41 @@ use gearbench_reports::Metric;
 use random::Random;
 use sets::MOST_SAMPLES;
 
-/// Greatest `F / (b m_n)` [Pa]: some four times that is bending stress at the root.
+/// Largest load `F / (b m_n)` [Pa]; the bending stress at the tooth root is about four times as large.
 const BEARABLE: f64 = 150e6;
-/// Flight after an impact that belongs to the scene, over the length of the impact, and flight that there must be:
-/// softer gears part later.
+/// Time of flight after an impact that belongs to the scene, and required time of flight, relative to the duration of
+/// the impact: softer gears separate later.
 const AFTER: [f64; 2] = [0.35, 0.6];
-/// Flight before the first of several impacts, over the length of an impact, where it is run alone.
+/// Time of flight before the first of several impacts, relative to the duration of an impact, where that impact is run
+/// alone.
 const FLIGHT: f64 = 0.25;
-/// Part of the flight after the last of several impacts that belongs to the scene.
+/// Share of the time of flight after the last of several impacts that belongs to the scene.
 const AFTER_LAST: f64 = 0.3;
-/// Part of the path of contact at either end where no impact starts: there the corners of tips touch.
+/// Share of the path of contact at either end in which no impact starts, as tip corners are in contact there.
 const PATH_MARGIN: f64 = 0.1;
 
-/// A scene that was sampled.
+/// A random scene with the question to its model choice.
 #[derive(Clone, Debug)]
 pub struct Sample {
-    /// Its number in the set, from 1.
+    /// Number of the scene in its set, from 1.
     pub number: usize,
     pub kind: Kind,
-    /// Metric that is asked for.
+    /// Metric of the question.
     pub metric: Metric,
-    /// Greatest error that is accurate enough.
+    /// Largest error that counts as adequate.
     pub tolerance: f64,
-    /// Length of an impact by the estimate above [s].
+    /// Estimated duration of an impact [s].
     pub contact_time: f64,
-    /// Modes have damping of their own, which full finite elements do not know.
+    /// True if modes have modal damping, which full finite elements cannot have.
     pub damps_modes: bool,
     pub text: String,
-    /// What the text says; its models are read, not built.
+    /// The scene of `text`; its models are read, but not built.
     pub scene: SceneFile,
-    /// Samples that were not sound.
+    /// Number of rejected samples before this one.
     pub rejected: u32,
 }
 
-/// Samples a scene of a set by its number, from 1.
+/// Samples the scene of a set with a number, from 1.
 ///
 /// # Errors
 /// [`SampleError`]: no such scene, or a sampling that breaks its own rules.
@@ -107,8 +109,8 @@ pub fn sample(set: &Set, number: usize) -> Result<Sample, SampleError> {
     })
 }
 
-/// The first impact of a scene of several: the gap to start with, so that what flies before is short, and the duration up
-/// to its end and some flight [m, s].
+/// Reduces a scene with several impacts to the first one: returns a start gap with a short flight, and the duration up
+/// to the end of the impact and some flight [m, s].
 ///
 /// # Errors
 /// [`SampleError`]: the scene cannot be built.
@@ -125,8 +127,8 @@ pub fn one_impact(sample: &Sample) -> Result<(f64, f64), SampleError> {
     Ok((gap, to + AFTER[0] * (to - from)))
 }
 
-/// Numbers of the scenes of a set that are validated against full finite elements: the first that have one impact and no
-/// damping of modes.
+/// Numbers of the scenes of a set for the validation against full finite elements: the first ones with one impact and
+/// without modal damping.
 pub fn full_order(set: &Set) -> Result<Vec<usize>, SampleError> {
     let mut found = Vec::new();
     for number in 1..=set.scenes {
@@ -141,7 +143,7 @@ pub fn full_order(set: &Set) -> Result<Vec<usize>, SampleError> {
     Ok(found)
 }
 
-/// The scene of sound parameters, or why they are not.
+/// Builds the scene of some parameters, or returns the reason for their rejection.
 fn sound(p: &Parameters) -> Result<Result<(String, SceneFile), &'static str>, SampleError> {
     let file = format!("{}-{}.toml", p.set, p.number);
     let parse = |text: &str| SceneFile::unbuilt(&file, text, Origin::Shipped, false);

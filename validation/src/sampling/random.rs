@@ -31,50 +31,50 @@ impl Random {
         ))
     }
 
-    /// The next 64 bits.
+    /// Returns the next 64 bits.
     pub fn bits(&mut self) -> u64 {
         self.state = self.state.wrapping_add(GAMMA);
         mix(self.state)
     }
 
-    /// Evenly from `[0, 1)`, in steps of 2^-53.
+    /// Returns a uniform number in `[0, 1)`, in steps of 2^-53.
     pub fn unit(&mut self) -> f64 {
         (self.bits() >> 11) as f64 * (0.5 / (1_u64 << 52) as f64)
     }
 
-    /// Evenly from `[low, high)`.
+    /// Returns a uniform number in `[low, high)`.
     pub fn between(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * self.unit()
     }
 
-    /// A number of the normal distribution (G. E. P. Box, M. E. Muller, *Ann. Math. Stat.* 29 (1958) 610).
+    /// Returns a standard normal number (G. E. P. Box, M. E. Muller, *Ann. Math. Stat.* 29 (1958) 610).
     pub fn normal(&mut self) -> f64 {
         let (u, v) = (1.0 - self.unit(), self.unit());
         (-2.0 * u.ln()).sqrt() * (std::f64::consts::TAU * v).cos()
     }
 
-    /// From `[low, high)`, evenly in the logarithm.
+    /// Returns a number in `[low, high)` with uniform logarithm.
     pub fn decades(&mut self, low: f64, high: f64) -> f64 {
         low * (high / low).powf(self.unit())
     }
 
-    /// One of several, all equally likely.
+    /// Returns one of several values with equal probability.
     pub fn one<T: Copy>(&mut self, all: &[T]) -> T {
         all[((self.unit() * all.len() as f64) as usize).min(all.len() - 1)]
     }
 
-    /// True with a probability.
+    /// Returns true with a probability.
     pub fn chance(&mut self, probability: f64) -> bool {
         self.unit() < probability
     }
 }
 
-/// A number with four significant digits: what a scene file says is what was sampled.
+/// Rounds a number to four significant digits, so that the scene file contains exactly the sampled value.
 pub fn short(x: f64) -> f64 {
     format!("{x:.3e}").parse().unwrap_or(x)
 }
 
-/// A number with ten significant digits, for what follows from sampled ones and must fit them.
+/// Rounds a number to ten significant digits, for values that are derived from sampled ones and must fit them.
 pub fn fitting(x: f64) -> f64 {
     format!("{x:.9e}").parse().unwrap_or(x)
 }

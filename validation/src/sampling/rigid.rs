@@ -1,4 +1,4 @@
-//! Rigid gears run through a sampled scene: when their teeth touch, and how hard.
+//! Runs of sampled scenes with rigid gears: times and forces of the contacts.
 
 use super::SampleError;
 use gearbench::models::models;
@@ -9,15 +9,16 @@ use gearbench_integrators::{AcceptedStep, Control, MethodSpec, Resolution, Sink,
 use gearbench_models::gear::table::properties_of;
 use gearbench_models::scene::{Channel, OfMesh, Scene};
 
-/// Method, which steps from event to event, its tolerance, and steps that are never needed: steps bound a run, not
-/// time, for a scene is the same on every machine.
+/// Method, tolerance and bound of steps. The bound is never reached; it is one of steps, not of time, so that a scene
+/// is the same on every machine.
 const METHOD: (MethodSpec, f64, u64) = (DOPRI5, 1e-8, 100_000);
-/// Places inside a step that are looked at.
+/// Points within a step at which the force is evaluated.
 const PLACES: [f64; 4] = [0.25, 0.5, 0.75, 1.0];
-/// Spells of contact that part for less than this part of an impact's length are one: rounding of events.
+/// Contacts with a shorter separation, relative to the duration of an impact, count as one: such separations are
+/// rounding errors of events.
 const APART: f64 = 1e-3;
 
-/// Contacts of a run: methods that locate events have no step across the begin or the end of one.
+/// Contact intervals of a run; methods that locate events have no step across the begin or the end of a contact.
 struct Contacts {
     channel: usize,
     apart: f64,
@@ -50,8 +51,8 @@ impl Sink for Contacts {
     }
 }
 
-/// Peak force [N] of rigid gears, and when their contacts begin and end [s]; an impact takes about `contact_time`. The
-/// peak is not a number where the run does not reach the end.
+/// Peak force [N] of rigid gears, and begin and end of their contacts [s]; an impact takes about `contact_time`. The
+/// peak is NaN if the run does not reach the end.
 pub fn contacts(scene: &SceneFile, contact_time: f64) -> Result<(f64, Vec<[f64; 2]>), SampleError> {
     let (method, tolerance, max_steps) = METHOD;
     let Some(choice) = scene

@@ -1,42 +1,42 @@
-//! Sets of scenes and their seeds; why there is no such scene.
+//! Sets of random scenes with their seeds.
 
 use gearbench::scene_file::SceneError;
 use gearbench_models::error::BuildError;
 use gearbench_models::geometry::GeometryError;
 use std::collections::BTreeMap;
 
-/// Sets and their seeds.
+/// Contents of the file of all sets.
 const SETS: &str = include_str!("../../sets.toml");
-/// Samples of a scene before it is given up.
+/// Number of samples after which a scene is given up.
 pub const MOST_SAMPLES: u32 = 200;
 
-/// A set of scenes.
+/// A set of random scenes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Set {
-    /// Its name in the list.
+    /// Name of the set in the file.
     pub name: String,
     pub seed: u64,
-    /// Number of scenes, counted from 1.
+    /// Number of scenes of the set.
     pub scenes: usize,
-    /// So many of its scenes of one impact, the first, are validated against full finite elements.
+    /// Number of scenes with one impact, the first ones, that are also validated against full finite elements.
     pub full_order: usize,
-    /// What its distributions have of their own.
+    /// Parameters of the distributions of this set.
     pub own: Own,
 }
 
-/// What the distributions of a set have of their own.
+/// Parameters of the distributions of one set.
 #[derive(Clone, Debug, PartialEq, serde::Deserialize, serde::Serialize)]
 #[serde(default, rename_all = "kebab-case")]
 pub struct Own {
-    /// Every scene whose number is a multiple of this runs under load, no other does; by chance where it is left out.
+    /// Scenes whose number is a multiple of this run under load, and no others; `None` for a random choice.
     pub loaded_every: Option<usize>,
-    /// Part of the impacts that are those of a pinion on a rack.
+    /// Share of the impacts of a pinion on a rack.
     pub racks: f64,
-    /// Mesh cycles of gears that run under load.
+    /// Possible numbers of mesh cycles of gears under load.
     pub cycles: Vec<u32>,
-    /// Part of the impacts without damping; of other scenes it is a third where this is left out.
+    /// Share of impacts without damping; `None` for the share of all other scenes.
     pub undamped_impacts: Option<f64>,
-    /// Flank points may have dashpots; where not, modes carry all damping.
+    /// True if flank points may have dashpots; otherwise modes have all damping.
     pub dashpots: bool,
 }
 
@@ -52,39 +52,39 @@ impl Default for Own {
     }
 }
 
-/// Why there is no such scene.
+/// Reason why a scene does not exist.
 #[derive(Debug, thiserror::Error)]
 pub enum SampleError {
     #[error("there is no set `{name}`; there are {}", known.join(" and "))]
     Set {
-        /// What was asked for.
+        /// Name of the requested set.
         name: String,
-        /// What there is.
+        /// Names of the existing sets.
         known: Vec<String>,
     },
     #[error("the set `{set}` has scenes 1 to {last}, not {number}")]
     Number {
         set: String,
-        /// Its last scene.
+        /// Number of the last scene of the set.
         last: usize,
-        /// What was asked for.
+        /// Number of the requested scene.
         number: usize,
     },
     /// The list of sets cannot be read.
     #[error("validation/sets.toml: {0}")]
     Sets(String),
-    /// Nothing sound was found.
+    /// No valid sample was found.
     #[error("scene {number} of `{set}`: none of {MOST_SAMPLES} samples is sound; the last: {last}")]
     Unsound {
         set: String,
         number: usize,
-        /// Why the last was not.
+        /// Reason for the last rejection.
         last: String,
     },
-    /// A gear of the list cannot be cut.
+    /// A gear of the list is geometrically impossible.
     #[error(transparent)]
     Geometry(#[from] GeometryError),
-    /// A sampled scene is no scene file.
+    /// The text of a sampled scene cannot be read.
     #[error("a sampled scene cannot be read: {0}")]
     Scene(#[from] SceneError),
     /// The gears do not mesh.
@@ -103,10 +103,10 @@ struct SetRow {
     own: Own,
 }
 
-/// A set by its name.
+/// Returns the set with a name.
 ///
 /// # Errors
-/// [`SampleError::Set`] names those there are.
+/// [`SampleError::Set`] with the names of the existing sets.
 pub fn set(name: &str) -> Result<Set, SampleError> {
     let rows: BTreeMap<String, SetRow> =
         toml::from_str(SETS).map_err(|e| SampleError::Sets(e.to_string()))?;

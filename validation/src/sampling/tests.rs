@@ -6,7 +6,7 @@ use gearbench::models::models;
 use gearbench::scene_file::{Origin, SceneFile};
 use std::collections::BTreeSet;
 
-/// First numbers of SplitMix64 with the state 1234567, as published with its reference program.
+/// The first numbers are those of SplitMix64 with the state 1234567, as published with its reference program.
 #[test]
 fn random_numbers_are_those_of_the_generator() {
     let mut r = Random::new(1_234_567);
@@ -37,7 +37,7 @@ fn sets_are_known_by_name_and_number() {
     assert!(sample(&tuning, 0).is_err());
 }
 
-/// A scene follows from seed and number alone: whether others were sampled before makes no difference.
+/// A scene depends on seed and number alone, not on the scenes sampled before.
 #[test]
 fn scenes_are_reproducible_and_independent() {
     let tuning = set("tuning").unwrap();
@@ -54,8 +54,8 @@ fn scenes_are_reproducible_and_independent() {
     assert_ne!(sample(&moved, 5).unwrap().text, first.text);
 }
 
-/// The tuning set has every kind, metric, tolerance, mount; scenes that had to be sampled again are few; rigid gears see
-/// in every scene what its kind says, and the file says exactly what was sampled.
+/// The tuning set contains every kind, metric, tolerance and mount; few scenes had to be sampled again; rigid gears
+/// move in every scene according to its kind; the file contains exactly the sampled values.
 #[test]
 fn tuning_scenes_are_sound_and_varied() {
     let tuning = set("tuning").unwrap();
@@ -103,8 +103,8 @@ fn tuning_scenes_are_sound_and_varied() {
     }
 }
 
-/// The sets on which choices are judged by a refined model have what they say of themselves; rigid gears see in them what
-/// their kinds say.
+/// The sets for validation by a refined model agree with their parameters, and rigid gears move in each scene according
+/// to its kind.
 #[test]
 fn refined_scenes_are_as_their_set_says() {
     let tuning = set("refined-tuning").unwrap();
@@ -127,8 +127,8 @@ fn refined_scenes_are_as_their_set_says() {
     assert!(full.iter().all(fit));
 }
 
-/// Every pair of the list is cut, meshed and assembled as the scene file says, free and held. What is reduced from the
-/// same meshes takes minutes and is left to the validation.
+/// Every pair of the list can be generated, meshed and assembled from its scene file, free and held. Reductions of
+/// these meshes take minutes and are left to the validation.
 #[test]
 fn every_toothing_is_built() {
     use gearbench_models::scene::Scene;

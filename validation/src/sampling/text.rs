@@ -1,7 +1,7 @@
-//! A sampled scene as a scene file: what anybody can look at and run.
+//! Text of a sampled scene as a scene file, which can be viewed and run like any other.
 //!
-//! The finite elements of a scene define it: mesh, penalty and damping of the models `elastic`, `densest` and `fe` are
-//! the same. Rigid gears and movable teeth stand beside as a user would write them down without knowing more, with the
+//! The finite elements define a scene: mesh, penalty and damping of the models `elastic`, `densest` and `fe` are the
+//! same. Rigid gears and movable teeth are added as a user would specify them without further knowledge, with the
 //! stiffness of the norm.
 
 use super::distributions::{Kind, Load, Parameters, Second};
@@ -14,17 +14,17 @@ use std::fmt::Write as _;
 const CONTACT_PER_WIDTH: f64 = 2.68e10;
 const TOOTH_PER_WIDTH: f64 = 7.8e10;
 const TOOTH_MASS: f64 = 4.2;
-/// Elements of all gears: along a flank, over the width, from root to bore.
+/// Numbers of elements of all gears: along a flank, over the width, from root to bore.
 const ELEMENTS: &str = "flank_elements = 8, width_elements = 1, rim_elements = 3";
-/// Gears turn at a few per cent of their lowest frequency at most: what would couple the modes is left out, as modal
-/// integration wants it.
+/// Setting that leaves gyroscopic terms out: gears rotate at a few per cent of their lowest frequency at most, and
+/// modal integration needs uncoupled modes.
 const SPIN: &str = "spin_terms = \"none\"";
-/// Modes and step [s] of the densest elastic model.
+/// Number of modes and step [s] of the densest elastic model.
 const DENSEST: (usize, f64) = (300, 2.5e-7);
-/// Steps of full finite elements over the length of an impact.
+/// Number of steps of full finite elements over the duration of an impact.
 const FULL_STEPS: f64 = 500.0;
 
-/// Writes the scene with a duration [s], its first pair at a path coordinate [m].
+/// Writes the scene with a duration [s]; `path` is the path coordinate of the first tooth pair [m].
 pub fn scene(p: &Parameters, path: Option<f64>, duration: f64) -> String {
     let mut out = String::new();
     // Writing to a string cannot fail.

@@ -1,4 +1,4 @@
-//! The gears that scenes are sampled with. Few, so that finite elements are reduced once for many scenes.
+//! Gears of the random scenes. They are few, so that one reduction of finite elements serves many scenes.
 
 use gearbench_models::geometry::{Gear, GearParams, GeometryError};
 
@@ -7,12 +7,12 @@ pub const DENSITY: f64 = 7850.0;
 /// Stiffness of a steel tooth pair per face width, 14 N/(mm um) of ISO 6336-1 [N/m per m].
 const PER_WIDTH: f64 = 1.4e10;
 
-/// A gear and what it meshes with.
+/// Toothing of a gear and of its mate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Toothing {
-    /// Teeth of the first gear, and of its mate.
+    /// Numbers of teeth of the first gear and of its mate.
     pub teeth: [u32; 2],
-    /// The mate is a rack.
+    /// True if the mate is a rack.
     pub rack: bool,
     /// Normal module [m].
     pub module: f64,
@@ -52,7 +52,7 @@ const fn rack(teeth: [u32; 2], module: f64, width: f64, shift: f64, bore: f64) -
     }
 }
 
-/// Pairs of gears.
+/// Pairs of external gears that scenes are sampled from.
 pub const PAIRS: [Toothing; 12] = [
     pair([20, 30], 4.0e-3, 10e-3, [0.0, 0.0], [15e-3, 25e-3]),
     pair([16, 24], 4.5e-3, 14e-3, [0.1817, 0.1715], [15e-3, 15e-3]),
@@ -68,7 +68,7 @@ pub const PAIRS: [Toothing; 12] = [
     pair([28, 56], 1.5e-3, 10e-3, [0.0, 0.0], [8e-3, 18e-3]),
 ];
 
-/// Pinions on racks.
+/// Pinions with racks that scenes are sampled from.
 pub const RACKS: [Toothing; 2] = [
     rack([20, 5], 2.0e-3, 10e-3, 0.0, 8e-3),
     rack([16, 7], 2.5e-3, 18e-3, 0.3, 9e-3),
@@ -86,7 +86,7 @@ impl Toothing {
         })
     }
 
-    /// Deflection on the line of action per hub coordinate: base radii [m], of a rack `cos(alpha)`.
+    /// Deflection along the line of action per hub coordinate: base radii [m]; for a rack `cos(alpha)`.
     pub fn effective_radii(&self) -> Result<[f64; 2], GeometryError> {
         let first = self.gear(0)?;
         let second = if self.rack {
@@ -97,15 +97,14 @@ impl Toothing {
         Ok([first.r_base(), second])
     }
 
-    /// Radius of curvature of the two flanks against each other at the pitch point [m].
+    /// Effective radius of curvature of both flanks at the pitch point [m].
     pub fn curvature(&self, effective_radii: [f64; 2]) -> f64 {
         let tangent = GearParams::default().pressure_angle.tan();
         let [a, b] = effective_radii;
         tangent * if self.rack { a } else { a * b / (a + b) }
     }
 
-    /// Inertia [kg m^2] of the ring from bore to reference circle, or mass [kg] of a rack of mean height; rounded,
-    /// and near what the toothing has.
+    /// Inertia of the ring from bore to reference circle [kg m^2], or mass of a rack of mean height [kg]; rounded.
     pub fn inertia(&self, i: usize) -> f64 {
         let z = f64::from(self.teeth[i]);
         if self.rack && i == 1 {

@@ -1,5 +1,5 @@
-//! Choices held against full finite elements as well, on a mesh three times as fine along the flanks as the scene's, which
-//! touch with their elements and a penalty: nothing of them is a half-space's. They take minutes a scene.
+//! Comparison of choices with full finite elements on a mesh three times as fine along the flanks as that of the scene,
+//! with contact of elements by a penalty and no half-spaces. A scene takes minutes.
 
 use super::measure::{error, grid};
 use super::reference::first;
@@ -13,18 +13,18 @@ use gearbench_integrators::table::{HHT_ALPHA, NEWMARK};
 use gearbench_models::spec::PointContact;
 use serde::{Deserialize, Serialize};
 
-/// Methods of full finite elements and their steps per contact time, in the order in which they are tried.
+/// Methods of full finite elements and numbers of steps per contact time, in the order of the trials.
 const FULL: [(MethodSpec, f64); 2] = [(NEWMARK, 250.0), (HHT_ALPHA.with_value(0.05), 250.0)];
-/// Elements of theirs along a flank over those of the scene, penalty over that of the scene.
+/// Elements along a flank and penalty, relative to those of the scene.
 const FINE: (usize, f64) = (3, 10.0);
-/// Errors against full finite elements on a finer mesh: of the choice, and of what it was validated against.
+/// Errors of the choice and of the reference of the validation, against full finite elements on a finer mesh.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub struct AgainstFull {
     pub chosen: Option<f64>,
     pub refined: Option<f64>,
 }
 
-/// Holds a validated choice, by its name, against full finite elements as well; nothing where none was chosen.
+/// Compares a validated choice, by its name, with full finite elements; `None` if nothing was chosen.
 ///
 /// # Errors
 /// [`ValidationError::Reference`]: they do not reach the end.
@@ -47,7 +47,7 @@ pub fn against_full(sample: &Sample, chosen: Option<&str>) -> Result<AgainstFull
     })
 }
 
-/// Full finite elements on a mesh that is finer along the flanks, without half-spaces.
+/// The model of full finite elements on a mesh that is finer along the flanks, without half-spaces.
 ///
 /// # Errors
 /// [`ValidationError::Reference`]: no method reaches the end.

@@ -1,4 +1,4 @@
-//! What is measured on whole scenes: the times of histories, errors, the time of a run without observers.
+//! Measurements on whole scenes: times of the histories, errors, computing time of a run without observers.
 
 use super::ValidationError;
 use gearbench::experiment::machine::cpu_time;
@@ -12,14 +12,14 @@ use gearbench_models::spec::Modelling;
 use gearbench_reports::Metric;
 use std::time::{Duration, Instant};
 
-/// Bound of one integration of a reference.
+/// Bound on the time of one integration of a reference.
 pub const PATIENCE: Duration = Duration::from_secs(600);
-/// Time on a processor from which the ticks of its clock do not matter [s].
+/// Processor time above which the resolution of its clock is irrelevant [s].
 const TICKS: f64 = 0.05;
-/// Time that a batch of repeats takes at least [s].
+/// Least time of a batch of repeats [s].
 const BATCH: f64 = 2e-3;
 
-/// Times at which histories are compared: so many per contact time, within bounds.
+/// Times at which histories are compared: a fixed number per contact time, within bounds.
 pub fn grid(duration: f64, contact_time: f64) -> Vec<f64> {
     const SAMPLES: f64 = 64.0;
     const BOUNDS: [f64; 2] = [400.0, 8000.0];
@@ -30,11 +30,11 @@ pub fn grid(duration: f64, contact_time: f64) -> Vec<f64> {
         .collect()
 }
 
-/// Ends a run whose numbers have no meaning any more [rad/s, m/s]: an unstable one would go on for ever, as teeth that
-/// spin that fast pass by the thousand in every step. Costs nothing beside a step.
+/// Velocity from which on a run is stopped as meaningless [rad/s, m/s]: an unstable run would never end, as teeth at
+/// such speeds pass by the thousand in every step.
 const MEANINGLESS: f64 = 1e6;
 
-/// Watches a timed run for that alone.
+/// Stops a timed run with such speeds.
 #[derive(Default)]
 struct Guard {
     lost: bool,
@@ -51,8 +51,8 @@ impl Sink for Guard {
     }
 }
 
-/// A run of a problem's scene with models of one's own, whatever its end, however long it takes: what is told of it must
-/// not depend on how busy the machine is.
+/// Runs a scene of a problem with given models to any status, without a time bound: the result must not depend on the
+/// load of the machine.
 ///
 /// # Errors
 /// [`ValidationError`]: the run cannot start.
@@ -66,14 +66,14 @@ pub fn outcome(
     Ok(trial.observe(method, (problem.duration, times), false, NO_BOUND)?)
 }
 
-/// Error of a run against a reference; `None` where one of the two failed or has not the quantity.
+/// Error of a run against a reference; `None` if one of them failed or does not have the quantity.
 pub fn error(run: &Outcome, metric: Metric, reference: &Outcome) -> Option<f64> {
     let error = (reference.usable()).then(|| run.error(metric, reference));
     error.filter(|e| e.is_finite())
 }
 
-/// Time of one run through the scene [s]: the shortest of a batch of repeats, on a processor where it is long
-/// enough to be told from ticks. `None` when it failed or took longer than `limit`.
+/// Time of one run through the scene [s]: the shortest of a batch of repeats, in processor time if that is long enough
+/// for its resolution. `None` if the run failed or took longer than `limit`.
 pub fn time(trial: &mut Trial<'_>, method: &Scheme, duration: f64, limit: Duration) -> Option<f64> {
     let mut integrator = method.method.build();
     let mut shortest = f64::INFINITY;
@@ -103,7 +103,8 @@ pub fn time(trial: &mut Trial<'_>, method: &Scheme, duration: f64, limit: Durati
     }
 }
 
-/// Times of two models under their methods [s], measured in turn so that the machine is the same for both: the medians.
+/// Times of two models under their methods [s]: medians of alternating runs, so that the machine is in the same state
+/// for both.
 pub fn side_by_side(
     a: (&mut Trial<'_>, &Scheme),
     b: (&mut Trial<'_>, &Scheme),

@@ -1,10 +1,10 @@
-//! Choices validated: on random scenes, against a refined model over the whole scene, beside all other candidates.
+//! Validation of model choices on random scenes: every candidate is compared with a refined model over the whole scene.
 //!
-//! For a scene validation runs the reference, then every candidate there is: what it costs, and how far it is off. The
-//! cheapest that keeps the tolerance is what a choice can be at best. Candidates that cannot be the cheapest are not run
-//! to the end: those that cost more than the cheapest adequate one so far need no error, and where a candidate costs
-//! three times that, the same integrator with shorter steps, or with more modes, is not run at all. At the end the
-//! choice and the cheapest are timed in turn.
+//! For each scene the reference and then every candidate is run, for cost and error. The cheapest candidate within the
+//! tolerance is the best possible choice. Candidates that cannot be the cheapest are not run to the end: those that
+//! cost more than the cheapest adequate one so far need no error, and if a candidate costs three times that, the same
+//! integrator with shorter steps, or with more modes, is not run at all. At the end the choice and the cheapest
+//! candidate are timed alternately.
 
 mod full_order;
 mod measure;
@@ -34,23 +34,24 @@ use measure::{error, side_by_side, time};
 pub use measure::{grid, outcome};
 use std::time::{Duration, Instant};
 
-/// Cost over that of the cheapest adequate candidate beyond which dearer kin of a candidate is not run.
+/// Cost, relative to the cheapest adequate candidate, above which a more expensive variant of a candidate is not run.
 const DEARER: f64 = 3.0;
-/// Cost over that of the cheapest adequate candidate up to which errors are looked at: first times are rough.
+/// Cost, relative to the cheapest adequate candidate, up to which errors are evaluated: the first measured times are
+/// rough.
 const NEAR: f64 = 1.3;
-/// Part of the tolerance that the mesh of a scene may be off so that candidates on the finer one are left out.
+/// Error of the scene's mesh, as share of the tolerance, up to which candidates on the finer mesh are left out.
 const OF_MESH: f64 = 0.25;
-/// Bounds of a timed run: while nothing is adequate, and over the cheapest adequate one.
+/// Upper bound on the time of any timed run.
 const LONGEST: Duration = Duration::from_secs(20);
-/// See [`LONGEST`]; and what the clock of a busy machine may be off [s].
+/// Time bound relative to the cheapest adequate candidate, and clock error of a busy machine [s]; see [`LONGEST`].
 const TIMES_CHEAPEST: (f64, f64) = (5.0, 0.05);
 
-/// Why a scene could not be validated, or a set not be gone through.
+/// Reason why a scene could not be validated, or a set not be completed.
 #[derive(Debug, thiserror::Error)]
 pub enum ValidationError {
     #[error(transparent)]
     Sample(#[from] SampleError),
-    /// A run could not start, or was stopped.
+    /// A run could not start, or was stopped by the user.
     #[error(transparent)]
     Run(#[from] RunError),
     #[error(transparent)]
@@ -60,7 +61,7 @@ pub enum ValidationError {
     Reference { method: String, why: String },
     #[error(transparent)]
     Journal(#[from] JournalError),
-    /// What is to be checked is not there, or a fit failed.
+    /// The requested subject does not exist, or a fit failed.
     #[error("{0}")]
     Other(String),
 }
@@ -106,7 +107,7 @@ fn gears(sample: &Sample) -> String {
     format!("{}, m = {:.1} mm", teeth.join("/"), 1e3 * module)
 }
 
-/// A candidate that keeps the tolerance.
+/// The cheapest candidate within the tolerance so far.
 struct Best {
     index: usize,
     cost: f64,
@@ -276,15 +277,15 @@ fn put_cheapest(row: &mut ValidatedChoice, c: &Candidate, error: f64, cost: Opti
     row.cheapest_cost_s = cost;
 }
 
-/// Words for candidates.
+/// Verdicts on candidates in the table.
 const ADEQUATE: &str = "adequate";
 const INADEQUATE: &str = "inadequate";
-/// It costs more than the cheapest adequate one.
+/// Verdict on a candidate that costs more than the cheapest adequate one.
 const DEAR: &str = "dearer";
-/// Its kin is far dearer than the cheapest adequate one.
+/// Verdict on a candidate with a variant that is far more expensive than the cheapest adequate one.
 const SKIPPED: &str = "skipped";
 
-/// Tries one candidate and keeps the best so far up to date.
+/// Runs one candidate and updates the best one.
 fn try_one(
     (problem, all, index): (&Problem, &[Candidate], usize),
     before: &[TriedCandidate],
@@ -371,8 +372,8 @@ fn try_one(
     Ok(tried)
 }
 
-/// Order in which candidates are tried, so that cheap ones come first and dear ones need not be run: steps, by what one
-/// costs with so many coordinates. Only an order; nothing is validated by it.
+/// Estimated cost of a candidate, number of steps times cost per step, by which candidates are ordered so that cheap
+/// ones come first. Results do not depend on it.
 fn effort(c: &Candidate) -> f64 {
     // A step of rigid gears, of movable teeth (which swing faster than steps say), of elastic gears, of each of their
     // modes.
@@ -389,8 +390,8 @@ fn effort(c: &Candidate) -> f64 {
     }
 }
 
-/// A candidate cannot be cheaper than another: the same integrator with steps no longer, on the same level or with no
-/// fewer modes.
+/// True if a candidate cannot be cheaper than another: same integrator with steps no longer, on the same level or with
+/// no fewer modes.
 fn is_dearer_kin(c: &Candidate, other: &Candidate) -> bool {
     let same_level = match (c.level.modes(), other.level.modes()) {
         (Some(a), Some(b)) => a >= b && c.level.detail() == other.level.detail(),

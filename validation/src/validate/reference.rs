@@ -1,8 +1,8 @@
-//! What choices are held against: the densest elastic model on the refined mesh, with the contact of half-spaces where the
+//! The reference of the validation: the densest elastic model on the refined mesh, with half-space contact where the
 //! scene allows it.
 //!
-//! Beside it stands what it may be off itself (twice the step, fewer modes), and what the mesh and the contact of
-//! the scene are off it, with as many modes.
+//! The error of the reference itself is estimated (twice the step, fewer modes), as are the errors by mesh and contact
+//! of the scene with the same number of modes.
 
 use super::ValidationError;
 use super::measure::{PATIENCE, error};
@@ -14,27 +14,27 @@ use gearbench_integrators::Scheme;
 use gearbench_models::spec::Modelling;
 use gearbench_reports::Metric;
 
-/// Modes of the model whose distance tells what the densest is off by cutting modes.
+/// Number of modes of the reduced model that estimates the truncation error of the densest one.
 const FEWER: usize = 200;
 const _: () = assert!(FEWER < DENSEST);
-/// Parts of its step that the densest elastic model is given, in the order in which they are tried.
+/// Steps of the densest elastic model, relative to its default, in the order of the trials.
 const FINER: [f64; 2] = [1.0, 0.25];
-/// What it is called.
+/// Name of the reference with half-space contact.
 pub const NAME: &str = "refined elastic model";
-/// The same where no run on half-spaces is sound.
+/// Name of the reference with the contact of the scene, where no run with half-space contact is sound.
 pub const MESH_NAME: &str = "refined elastic model, contact of the scene";
 
 pub struct Reference {
     pub run: Outcome,
-    /// The larger of what twice the step and fewer modes change.
+    /// The larger of the changes by twice the step and by fewer modes.
     pub own_error: Option<f64>,
-    /// Error of as many modes on the mesh of the scene, with the same contact.
+    /// Error of a model with the same modes and contact on the mesh of the scene.
     pub mesh_error: Option<f64>,
-    /// Error of as many modes with mesh and contact of the scene.
+    /// Error of a model with the same modes, with mesh and contact of the scene.
     pub given_error: Option<f64>,
 }
 
-/// A run over the whole scene that reached its end.
+/// Runs the whole scene; fails unless the run reaches its end.
 fn ended(
     problem: &Problem,
     modelling: &Modelling,
@@ -52,7 +52,7 @@ fn ended(
     })
 }
 
-/// The first of some methods that reaches the end, and its run.
+/// Returns the first of some methods that reaches the end, with its run.
 pub fn first<'m>(
     problem: &Problem,
     modelling: &Modelling,
@@ -111,7 +111,7 @@ pub fn reference(
     })
 }
 
-/// A method at another step, or at a tolerance that is as much larger in decades as twice the step is one.
+/// The method at `part` times its step; a factor of two in the step corresponds to a decade in the tolerance.
 fn scaled(method: &Scheme, part: f64) -> Scheme {
     method.method.at(match method.resolution {
         Resolution::Step(h) => Resolution::Step(part * h),

@@ -2,7 +2,7 @@ use super::*;
 use crate::sampling;
 use gearbench::studies::choose::plan::MODES;
 
-/// Choices on some scenes of the tuning set are validated to the end: the figures hang together, whatever the choice is.
+/// Choices on some scenes of the tuning set are validated to the end, with consistent results for any choice.
 #[test]
 fn choices_are_judged() {
     let set = sampling::set("refined-tuning").unwrap();
@@ -31,7 +31,7 @@ fn choices_are_judged() {
     }
 }
 
-/// Of kin the dearer: finer steps, more modes; never another integrator or another kind of gears.
+/// The more expensive variant has finer steps or more modes, never another integrator or another kind of gears.
 #[test]
 fn kin_is_ordered() {
     let set = sampling::set("tuning").unwrap();

@@ -1,4 +1,4 @@
-//! Frames are read back and held against the run they are of.
+//! Frames are read back and compared with their run.
 
 use super::*;
 use crate::experiment::runner::Runner;
@@ -11,7 +11,7 @@ use gearbench_models::spec::Body;
 use gearbench_reports::record::Run;
 use std::collections::HashMap;
 
-/// A file of a frame: its numbers by the names of arrays.
+/// Contents of the file of a frame: arrays of numbers by name.
 struct Read {
     arrays: HashMap<String, Vec<f64>>,
 }
@@ -121,7 +121,7 @@ fn at(run: &Run, values: &[f64], time: f64) -> f64 {
     values[i - 1] + part * (values[i] - values[i - 1])
 }
 
-/// Forces on both gears are opposite, and together those of the run.
+/// Checks that the forces on both gears are opposite, and sum up to the force of the run.
 fn bears_the_force(run: &Run, frames: &[(f64, Read)], within: f64) {
     let series = run.series.as_ref().unwrap();
     let peak = series.contact_force_n.iter().copied().fold(0.0, f64::max);
@@ -171,7 +171,7 @@ fn scene(model: &str) -> SceneFile {
     SceneFile::unbuilt("pictured.toml", &text, Origin::Shipped, false).unwrap()
 }
 
-/// Rigid gears turn by the angles of their hubs, and their tips are tips.
+/// Rigid gears rotate by the angles of their hubs, and their tip radii are kept.
 #[test]
 fn rigid_gears_turn_with_their_hubs() {
     let scene = scene("model = \"rigid\"\ncontact = { stiffness = \"iso6336\" }");
@@ -204,7 +204,7 @@ fn rigid_gears_turn_with_their_hubs() {
     }
 }
 
-/// Teeth that touch yield, up to their tips; roots and other teeth stay with the hub.
+/// Teeth in contact deflect, up to their tips; roots and other teeth follow the hub.
 #[test]
 fn movable_teeth_yield() {
     let scene = scene(
@@ -232,8 +232,8 @@ fn movable_teeth_yield() {
     assert!(4 * still > 3 * all.len(), "{still} of {}", all.len());
 }
 
-/// Where elastic gears touch their meshes show it, as much as the sections of the report: these tell the displacement along
-/// the normals by the model's own flanks, the mesh by its modes and its stiffness.
+/// The displacements of meshes of elastic gears in contact agree with the sections of the report: the sections use
+/// displacements along the normals of the model's own flanks, the meshes the modes and the stiffness of the mesh.
 #[test]
 fn elastic_gears_show_their_displacement() {
     let scene = coarse("modes = 6");
@@ -251,7 +251,7 @@ fn elastic_gears_show_their_displacement() {
     assert!((5e-12..1.5e-10).contains(&(most / per_width)), "{most:e}");
 }
 
-/// Full finite elements: nodes of the bore turn with the hub, the others yield.
+/// In full finite elements, nodes of the bore follow the hub, and the others deflect.
 #[test]
 fn full_finite_elements_show_their_nodes() {
     // Steps of a microsecond make a peak of their own between two frames.

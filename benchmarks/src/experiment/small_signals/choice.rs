@@ -1,4 +1,4 @@
-//! Models of a scene whose matrices are dense: all but full finite elements.
+//! Selection of the models of a scene for dense matrices: all but full finite elements.
 
 use crate::experiment::run::LEFT_OUT;
 use crate::experiment::settings::settings;
@@ -6,17 +6,18 @@ use crate::models::models;
 use crate::scene_file::{ModelChoice, SceneError, SceneFile};
 use gearbench_models::gear::table::properties_of;
 
-/// The way out for full finite elements.
+/// The advice for full finite elements.
 const TAKE_ELASTIC: &str =
     "use elastic gears, whose modes and compliance are reduced from the same mesh";
 
-/// Models, and settings to show.
+/// Selected models, and settings for the report.
 type Taken<'s> = (Vec<&'s ModelChoice>, Vec<(String, String)>);
 
-/// The models that labels ask for, or all of the study but full finite elements, and what a reader must know of them.
+/// Selects the models with some labels, or all of the study except full finite elements; also returns the settings for
+/// the report.
 ///
 /// # Errors
-/// Labels that are none, or full finite elements that are asked for.
+/// Unknown labels, or requested full finite elements.
 pub fn taken<'s>(scene: &'s SceneFile, labels: Option<&str>) -> Result<Taken<'s>, SceneError> {
     let choices = scene.select(labels)?;
     let large = |c: &&ModelChoice| {

@@ -1,23 +1,24 @@
-//! The meshes of a scene that runs slowly: closing, force, compliance and damping of each through one mesh cycle.
+//! Meshes of a scene in quasi-static motion: closing, force, compliance and damping of each mesh over one mesh cycle.
 //!
-//! At each phase the loaded state is found anew. Of a mesh are kept, with `N` the sum of its normal forces,
+//! The loaded state is computed at each phase. With `N` the sum of the normal forces of a mesh, the results are
 //!
 //! ```text
-//! w = dN/dq / k                          what a coordinate adds to the closing of the flanks (at the first phase)
+//! w = dN/dq / k                          closing of the flanks by unit of a coordinate (at the first phase)
 //! e, N_s                                 closing by the hubs under the loads, and force
-//! C = de/dN                              along the loads, K x = f: all that bends between the hubs
-//! k, c = dN/d(closing), dN/d(its rate)   while teeth and modes go with their gear as a rigid body
+//! C = de/dN                              along the loads, K x = f: total compliance between the hubs
+//! k, c = dN/d(closing), dN/d(its rate)   with teeth and modes fixed to their gear
 //! ```
 //!
-//! Meshes of one frequency are taken together, so that their phases to each other are those of the scene. Motions are seen
-//! from the carriers of planetary sets.
+//! Meshes of one frequency are computed together, so that their relative phases are those of the scene. Motions are
+//! relative to the carriers of planetary sets.
 //!
-//! **Resonance.** At each phase one natural mode without damping is that of the meshes of a frequency: in it the hubs close them
-//! most, `k (r x)^2 / omega^2` with the closing `r x` by the hubs and the stiffness `k` between these. The strain of the contacts
-//! themselves does not tell it: of elastic gears a contact that swings on its own teeth, ten times as fast, has more. The
-//! resonance of these meshes is the root mean square of its frequencies over the cycle, which of two gears is the frequency on the mean
-//! tangent stiffness; the least and the greatest are its range. `modes`, `response`, `sweep` and the mesh modes of all other
-//! studies have it from here.
+//! **Resonance.** At each phase one undamped natural mode is the mesh mode of the meshes of a frequency: the mode in
+//! which the hubs close them most, by `k (r x)^2 / omega^2` with the closing `r x` by the hubs and the stiffness `k`
+//! between them. The strain energy of the contacts alone does not identify it: in elastic gears a contact that vibrates
+//! on its own teeth, at ten times the frequency, has more. The resonance of these meshes is the root mean square of the
+//! frequencies of the mesh mode over the cycle, for two gears the frequency of the mean tangent stiffness; its range is
+//! from the least to the greatest. `modes`, `response`, `sweep` and the mesh modes of all other studies use this
+//! resonance.
 
 use super::equilibrium::pressed;
 use super::{Loaded, NotSolved, loaded};
@@ -27,79 +28,80 @@ use gearbench_models::spec::{Body, SceneSpec};
 use nalgebra::DMatrix;
 use std::f64::consts::TAU;
 
-/// Part of a typical deflection or speed by which forces are differenced.
+/// Step of the finite differences of forces, relative to a typical deflection or speed.
 const STEP: f64 = 1e-3;
-/// Why a mesh is no spring.
+/// The message for a mesh without stiffness.
 const NO_STIFFNESS: &str =
     "a mesh has no stiffness: it carries no load, or none of its gears can move";
-/// Relative distance of mesh frequencies that count as one.
+/// Relative difference below which mesh frequencies count as equal.
 const ALIKE: f64 = 1e-6;
 
-/// A mesh at a phase of its cycle.
+/// State of a mesh at one phase of its cycle.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct MeshPhase {
-    /// Closing of the flanks by the hubs, from the first phase [m].
+    /// Closing of the flanks by the motion of the hubs since the first phase [m].
     pub closing: f64,
-    /// Force [N].
+    /// Sum of the normal forces [N].
     pub force: f64,
-    /// Compliance between the hubs [m/N].
+    /// Compliance of the mesh between the hubs [m/N].
     pub compliance: f64,
-    /// The part of it in the contact: what is left when teeth and modes go with their gear as a rigid body [m/N].
+    /// Share of the contact in the compliance: the compliance with teeth and modes fixed to their gear [m/N].
     pub contact: f64,
     /// Damping of the contact [N s/m].
     pub damping: f64,
 }
 
-/// What a mesh is to the coordinates of its scene, at the first phase.
+/// Coupling of a mesh to the coordinates of its scene at the first phase: closing by coordinate, stiffness and damping.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MeshRow {
-    /// Closing of its flanks by unit of each coordinate.
+    /// Closing of the flanks by unit of each coordinate.
     pub flanks: Vec<f64>,
-    /// The same by hubs alone: teeth and modes move flanks only as far as they turn the hub.
+    /// Closing by unit of each coordinate through the hubs alone: teeth and modes count only as far as they turn the
+    /// hub.
     pub hubs: Vec<f64>,
     /// Stiffness of the contact [N/m].
     pub stiffness: f64,
-    /// Its damping [N s/m].
+    /// Damping of the contact [N s/m].
     pub damping: f64,
     /// Mesh frequency at the speeds of the scene [Hz].
     pub frequency: f64,
 }
 
 impl MeshRow {
-    /// Its mesh carries a load, and has a stiffness.
+    /// True if the mesh carries a load, and so has a stiffness.
     fn carries(&self) -> bool {
         self.stiffness > 0.0 && self.stiffness.is_finite()
     }
 }
 
-/// Meshes of one frequency through their cycle.
+/// Meshes of one mesh frequency over their cycle.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MeshCycle {
-    /// The meshes.
+    /// Indices of the meshes in the scene.
     pub meshes: Vec<usize>,
     /// Frequency at the speeds of the scene [Hz].
     pub frequency: f64,
-    /// Phases at even times, by mesh.
+    /// States at equidistant phases, by mesh.
     pub phases: Vec<Vec<MeshPhase>>,
-    /// Natural frequencies of the mode of these meshes, by phase [Hz].
+    /// Natural frequency of the mesh mode of these meshes, by phase [Hz].
     pub natural: Vec<f64>,
 }
 
-/// Phases that a resonance is taken from where nothing else is wanted of the cycle: the stiffness of spur gears jumps, so
-/// that the mean has an error of some parts of one phase.
+/// Number of phases for the resonance alone. As the stiffness of spur gears jumps, the mean has an error of a fraction
+/// of one phase.
 pub const PHASES: usize = 24;
 
-/// The resonance of meshes over their cycle.
+/// Resonance frequency of meshes over their cycle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Resonance {
-    /// Root mean square of the frequencies of the mesh mode [Hz].
+    /// Root mean square of the frequencies of the mesh mode over the cycle [Hz].
     pub frequency: f64,
-    /// Least and greatest of them [Hz].
+    /// Least and greatest frequency of the mesh mode over the cycle [Hz].
     pub range: [f64; 2],
 }
 
 impl MeshCycle {
-    /// The resonance; `None` where nothing vibrates at a phase.
+    /// The resonance; `None` if the frequency is zero at some phase.
     pub fn resonance(&self) -> Option<Resonance> {
         let ends = (self.natural.iter())
             .fold([f64::INFINITY, 0.0_f64], |[a, b], f| [a.min(*f), b.max(*f)]);
@@ -112,17 +114,17 @@ impl MeshCycle {
     }
 }
 
-/// A scene that runs slowly under its loads.
+/// A scene in quasi-static motion under its loads.
 pub struct Running {
-    /// Its loaded state at the start.
+    /// The loaded state at the start.
     pub start: Loaded,
-    /// Its meshes.
+    /// One row for each mesh of the scene.
     pub rows: Vec<MeshRow>,
-    /// Their cycles.
+    /// Mesh cycles, one for each mesh frequency.
     pub cycles: Vec<MeshCycle>,
 }
 
-/// Change of the forces of all meshes by a displacement and a velocity.
+/// Central difference of the forces of all meshes along a displacement and a velocity [N].
 fn change(scene: &mut Scene, s: &State, [dq, dv]: [&[f64]; 2]) -> Vec<f64> {
     let mut at = |sign: f64| {
         let mut moved = s.clone();
@@ -138,21 +140,21 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// The gear of a mesh whose hub is free, and its place in the mesh.
+/// The gear of a mesh whose hub is free, and its position (0 or 1) in the mesh.
 fn free_of(scene: &Scene, mesh: usize) -> Option<(usize, usize)> {
     let gears = scene.meshes()[mesh].gears;
     let free = |&(i, _): &(usize, usize)| scene.gears()[i].model.hub().is_free();
     gears.into_iter().zip(0..).find(free)
 }
 
-/// What all phases need.
+/// Quantities that all phases of a mesh cycle share.
 struct Cycle<'a> {
     scene: &'a mut Scene,
     scales: Vec<f64>,
     speeds: Vec<f64>,
-    /// Turns of gears as rigid bodies, each on one coordinate of its hub, that of a gear that is held none.
+    /// Rigid-body rotation of each gear by the coordinate of its hub; `None` for a fixed gear.
     turns: Vec<Option<Vec<f64>>>,
-    /// 1 where left flanks are in contact, -1 for right ones, by mesh.
+    /// 1 if left flanks are in contact, -1 for right flanks, by mesh.
     sides: Vec<f64>,
     rows: Vec<MeshRow>,
 }
@@ -160,7 +162,7 @@ struct Cycle<'a> {
 /// A mesh as a spring between hubs: its closing by unit of each coordinate, and its stiffness [N/m].
 pub(super) type HubSpring<'a> = (&'a [f64], f64);
 
-/// The natural mode in which hubs close some meshes most.
+/// The natural mode with the largest strain energy of some meshes as springs between hubs.
 pub(super) fn of_meshes(found: &Loaded, meshes: &[HubSpring<'_>]) -> Option<usize> {
     let (space, modes) = (&found.space, &found.modes);
     let mut strain = vec![0.0; modes.squares.len()];
@@ -177,7 +179,7 @@ pub(super) fn of_meshes(found: &Loaded, meshes: &[HubSpring<'_>]) -> Option<usiz
     swinging.max_by(|a, b| share(a).total_cmp(&share(b)))
 }
 
-/// The mode of all meshes that carry a load, by its place among the natural modes.
+/// The index of the mesh mode of all loaded meshes among the natural modes.
 ///
 /// # Errors
 /// [`NotSolved`] where own coordinates of a gear have no stiffness, or no mesh has one.
@@ -195,7 +197,7 @@ pub(super) fn mesh_mode_at(scene: &mut Scene, found: &Loaded) -> Result<usize, N
     }
 }
 
-/// How a gear turns as a rigid body: own coordinates go with the hub where nothing strains them.
+/// Rigid-body rotation of each gear: its own coordinates follow the hub without strain.
 fn turns(scene: &Scene, mechanism: &DMatrix<f64>) -> Result<Vec<Option<Vec<f64>>>, NotSolved> {
     let of = |g: &SceneGear| {
         let (hub, range) = (g.model.hub(), g.range());
@@ -220,7 +222,7 @@ fn turns(scene: &Scene, mechanism: &DMatrix<f64>) -> Result<Vec<Option<Vec<f64>>
 }
 
 impl<'a> Cycle<'a> {
-    /// Of a loaded state; rows are to be filled.
+    /// Starts a mesh cycle at a loaded state, without rows.
     fn of(scene: &'a mut Scene, start: &Loaded) -> Result<Cycle<'a>, NotSolved> {
         let n = start.state.q.len();
         let (mut scales, mut speeds) = (vec![0.0; n], vec![0.0; n]);
@@ -237,7 +239,8 @@ impl<'a> Cycle<'a> {
         })
     }
 
-    /// Slope of the force of a mesh by what its gears close it by, as rigid bodies: by displacement, or by their rate.
+    /// Stiffness or damping of a mesh by its rigid-body closing: difference quotient of the force by displacement, or
+    /// by velocity.
     ///
     /// On the way of one gear the stiffness changes as teeth pass, on that of the other as much the other way.
     fn slope(&mut self, s: &State, mesh: usize, of_rate: bool) -> f64 {
@@ -269,7 +272,7 @@ impl<'a> Cycle<'a> {
         sum / count
     }
 
-    /// Rows of the meshes at the first phase. One that carries no load closes by nothing.
+    /// Computes the rows of the meshes at the first phase. An unloaded mesh has no closing.
     fn fill_rows(&mut self, s: &State) {
         let n = s.q.len();
         let none = vec![0.0; n];
@@ -317,7 +320,7 @@ impl<'a> Cycle<'a> {
         }
     }
 
-    /// The meshes at a loaded state that has moved by `away` from the first, as seen from carriers.
+    /// The states of the meshes at a loaded state that is displaced by `away` from the first, relative to carriers.
     fn at(&mut self, found: &Loaded, away: &[f64]) -> Vec<MeshPhase> {
         let s = &found.state;
         let mut loads = Vec::new();
@@ -359,7 +362,7 @@ impl<'a> Cycle<'a> {
     }
 }
 
-/// Mesh frequencies by the speeds of gears that are free [Hz].
+/// Mesh frequencies from the speeds of free gears [Hz].
 fn frequencies(scene: &Scene, spec: &SceneSpec, seen: &State) -> Vec<f64> {
     let of = |mesh| {
         let Some((gear, _)) = free_of(scene, mesh) else {
@@ -374,10 +377,10 @@ fn frequencies(scene: &Scene, spec: &SceneSpec, seen: &State) -> Vec<f64> {
     (0..scene.meshes().len()).map(of).collect()
 }
 
-/// Follows a scene through the cycles of its meshes, with so many phases of each.
+/// Follows a scene quasi-statically through the cycles of its meshes, with `phases` phases each.
 ///
 /// # Errors
-/// [`NotSolved`] where a loaded state is not found, where gears stand still, or a mesh carries no load.
+/// [`NotSolved`] if a loaded state is not found, if gears are at rest, or if a mesh carries no load.
 pub fn running(scene: &mut Scene, spec: &SceneSpec, phases: usize) -> Result<Running, NotSolved> {
     let start = loaded(scene, true)?;
     let seen = scene.relative_state(&start.state);

@@ -1,36 +1,37 @@
-//! Damping of modes.
+//! Damping of the natural modes of a linearised scene.
 //!
-//! With orthonormal modes `Phi` in coordinates of unit mass the damping matrix is `d = Phi^T D Phi`. Where it is diagonal the
-//! ratios are `d_ii / (2 omega_i)`, exactly. Dampers that couple modes, and gyroscopic terms, which are skew, ask for the
-//! eigenvalues of the system in first order,
+//! With orthonormal modes `Phi` in coordinates of unit mass the damping matrix is `d = Phi^T D Phi`. If it is diagonal
+//! the damping ratios are exactly `d_ii / (2 omega_i)`. Dampers that couple modes, and gyroscopic terms, which are
+//! skew, require the eigenvalues of the first-order system,
 //!
 //! ```text
 //! |  0      1 |            z = -zeta omega +- i omega sqrt(1 - zeta^2)
 //! | -Omega^2 -d |
 //! ```
 //!
-//! each given to the mode that has the largest part in its vector. Of more coordinates than [`MOST`] the diagonal stands.
+//! each assigned to the mode with the largest component in its eigenvector. For more coordinates than [`MOST`] the
+//! diagonal is used.
 
 use faer::Mat;
 use nalgebra::DMatrix;
 
-/// Coordinates up to which eigenvalues in first order are sought.
+/// Largest number of coordinates for the eigenvalues of the first-order system.
 const MOST: usize = 260;
-/// Coupling over the largest damping that counts as none.
+/// Coupling of modes, relative to the largest damping, that counts as zero.
 const COUPLED: f64 = 1e-9;
-/// Part of the highest frequency below which a motion does not swing.
+/// Share of the highest frequency below which a mode counts as rigid.
 const SLACK: f64 = 1e-6;
 
-/// Damping of a mode.
+/// Damping ratio and damped frequency of a mode.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Damped {
-    /// Ratio.
+    /// Damping ratio, relative to critical damping [-].
     pub ratio: f64,
-    /// Frequency [rad/s], where it is not that without damping.
+    /// Angular frequency [rad/s], if it differs from the undamped one.
     pub omega: Option<f64>,
 }
 
-/// Damping of modes from their frequencies [rad/s], zero of rigid motions, and `d` [1/s].
+/// Computes the damping of modes from their angular frequencies [rad/s], zero for rigid-body motions, and `d` [1/s].
 pub fn damped(omega: &[f64], d: &DMatrix<f64>) -> Vec<Option<Damped>> {
     let highest = omega.iter().fold(0.0_f64, |m, w| m.max(*w));
     let swings = |i: usize| omega[i] > SLACK * highest;

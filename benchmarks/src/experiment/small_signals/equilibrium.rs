@@ -1,17 +1,19 @@
-//! The loaded state of a scene: what its loads come to when nothing swings any more, and the scene to first order there.
+//! Static or steady equilibrium of a scene under its loads, and its linearisation there.
 //!
-//! A train that is free accelerates under its loads as a whole. With the rigid motions `Z` of the mechanism that part of the
-//! forces `f` deflects nothing and is left out,
+//! A free train accelerates as a whole under its loads. With the rigid-body motions `Z` of the mechanism, that part of
+//! the forces `f` causes no deflection and is left out,
 //!
 //! ```text
 //! P f(q, v) = 0,    P = 1 - M Z Z^T,    v = Z Z^T M v_0 + v_d
 //! ```
 //!
-//! which Newton's method solves in the modes of the stiffness at each state. Gears that stand apart have a motion against each
-//! other without stiffness: it is followed by a bounded step. A step ends where the power of the forces along it changes its
-//! sign, by bisection: the potential of loads and contacts falls on the way there, and contacts close and open as they have to. Speeds are those of the rigid motions nearest to the start, and
-//! `v_d` of what follows driven gears in the mechanism, so that dampers of contacts and shafts do nothing, while viscous loads do.
-//! Gears that go round with a carrier have its velocity where they are, and their centrifugal forces are part of `f`.
+//! which is solved by Newton's method in the modes of the stiffness at each state. Gears without contact have a
+//! relative motion without stiffness, which is followed by a bounded step. A step ends, by bisection, where the power
+//! of the forces along it changes its sign: the potential of loads and contacts decreases up to there, and contacts
+//! close and open accordingly. The velocities are those of the rigid-body motions nearest to the start, plus the
+//! velocities `v_d` of members that follow driven gears in the mechanism, so that dampers of contacts and shafts have
+//! no effect, while viscous loads do. Gears on a carrier have its velocity at their position, and their centrifugal
+//! forces are part of `f`.
 
 use super::NotSolved;
 use super::space::{Modes, Space};
@@ -19,37 +21,37 @@ use gearbench_integrators::system::{SecondOrderSystem, State};
 use gearbench_models::scene::{LinearisedScene, Scene};
 use nalgebra::DVector;
 
-/// Part of the highest eigenvalue below which a motion has no stiffness.
+/// Share of the highest eigenvalue below which a motion has no stiffness.
 const SLACK: f64 = 1e-12;
-/// Largest motion of a step that meets flanks, in typical deflections.
+/// Largest Newton step that closes flanks, in typical deflections.
 const BOUND: f64 = 20.0;
-/// Largest motion of any other step [m]: far less than a tooth.
+/// Largest Newton step otherwise [m]; far less than a tooth.
 const FARTHEST: f64 = 2e-5;
-/// Part of the power along a step that is left where the step may end.
+/// Share of the initial power along a step at which the line search may end.
 const LEFT: f64 = 0.5;
-/// Motion of a step from which on the state is found, in typical deflections.
+/// Largest Newton step at convergence, in typical deflections.
 const FOUND: f64 = 1e-7;
-/// Part of all forces below which what pushes gears that stand apart is rounding.
+/// Residual forces on gears without contact below this share of all forces are rounding errors.
 const ROUNDING: f64 = 1e-10;
-/// Steps, and bisections of one.
+/// Bounds on the number of Newton steps, and of bisections of one step.
 const MOST_STEPS: u32 = 200;
 const MOST_HALVINGS: u32 = 45;
 
-/// A state about which a scene is linear, and what it is there.
+/// A loaded state of equilibrium with the linearised scene and its modes.
 pub struct Loaded {
-    /// The state.
+    /// Coordinates, velocities and discrete state of the equilibrium.
     pub state: State,
-    /// The scene to first order there.
+    /// The scene linearised at the state.
     pub linear: LinearisedScene,
-    /// Motions without the rigid ones.
+    /// The space of motions without the rigid-body ones.
     pub space: Space,
-    /// Modes without the rigid motions.
+    /// Natural modes without the rigid-body motions.
     pub modes: Modes,
-    /// Rigid motions `y`.
+    /// Rigid-body motions `y`, in coordinates of unit mass.
     pub rigid: Vec<DVector<f64>>,
-    /// Steps that led there; 0 for a start that is taken as it is.
+    /// Number of Newton steps; 0 if the start is used as it is.
     pub steps: u32,
-    /// Forces of the meshes [N].
+    /// Sum of the normal forces of each mesh [N].
     pub pressed: Vec<f64>,
 }
 
@@ -62,10 +64,10 @@ pub(super) fn pressed(scene: &mut Scene, s: &State) -> Vec<f64> {
     sums
 }
 
-/// The motions that are left, the rigid ones as `y` of all, and the speeds of the mechanism.
+/// The remaining motions, the rigid-body motions `y`, and the velocities of the mechanism.
 type Motions = (Space, Vec<DVector<f64>>, Vec<f64>);
 
-/// Motions of the mechanism.
+/// Rigid-body motions and velocities of the mechanism, without contact.
 fn motions(scene: &mut Scene, s: &State, linear: &LinearisedScene) -> Result<Motions, NotSolved> {
     let mut space = Space::new(&linear.mass)?;
     space.hold(&scene.constraints());
@@ -98,15 +100,15 @@ fn motions(scene: &mut Scene, s: &State, linear: &LinearisedScene) -> Result<Mot
     Ok((space, rigid, speeds))
 }
 
-/// How a step ends.
+/// Result of the line search along a step.
 enum Along {
-    /// The forces along it hardly change: no flank is met.
+    /// The forces along the step hardly change: no flank is in contact.
     Free,
-    /// This part of it leads to where forces along it are nearly balanced.
+    /// At this share of the step the forces along it are nearly balanced.
     Met(f64),
 }
 
-/// What is the same at all states of a search.
+/// Quantities that all iterations of a search for equilibrium share.
 struct Search<'a> {
     scene: &'a mut Scene,
     space: Space,
@@ -123,7 +125,7 @@ impl Search<'_> {
         f
     }
 
-    /// A state that has moved along a displacement.
+    /// The state displaced by a share of a displacement.
     fn moved(&self, s: &State, displacement: &[f64], part: f64) -> State {
         let mut moved = s.clone();
         (moved.q.iter_mut().zip(displacement)).for_each(|(q, x)| *q += part * x);
@@ -131,8 +133,8 @@ impl Search<'_> {
         moved
     }
 
-    /// How far to go along a step that starts with forces `on` the modes: the loads and the contacts of a scene have a potential,
-    /// which falls along the step until the power of all forces along it, `f . x`, changes its sign.
+    /// Line search along a step with initial forces `on` the modes. Loads and contacts have a potential, which
+    /// decreases along the step until the power of all forces along it, `f . x`, changes its sign.
     fn part_of(&mut self, s: &State, step: &[f64], modes: &Modes, on: &DVector<f64>) -> Along {
         let along = modes.vectors.tr_mul(&self.space.velocity(step));
         let before = on.dot(&along);
@@ -156,7 +158,7 @@ impl Search<'_> {
         Along::Met(if low > 0.0 { low } else { part })
     }
 
-    /// Where forces are least balanced, and by which part of the largest load.
+    /// Member with the largest residual force, and that force relative to the largest load.
     fn imbalance(&self, s: &State, on: &DVector<f64>) -> (f64, String) {
         let left = self.space.force_of(on);
         let gears = self.scene.gears();
@@ -175,13 +177,13 @@ impl Search<'_> {
         (most, owner.map_or_else(String::new, |g| g.name.clone()))
     }
 
-    /// Forces on the modes.
+    /// Generalised forces on the modes.
     fn on_modes(&mut self, s: &State, modes: &Modes) -> DVector<f64> {
         let f = self.forces(s);
         modes.vectors.tr_mul(&self.space.force(&f))
     }
 
-    /// The displacement that answers to forces on the modes with so much more stiffness, and its largest part in typical
+    /// Displacement under forces on the modes with additional stiffness `more`, and its largest component in typical
     /// deflections.
     fn answer(&self, modes: &Modes, on: &DVector<f64>, more: f64) -> (Vec<f64>, f64) {
         let floor = slack_of(modes);
@@ -200,10 +202,10 @@ fn slack_of(modes: &Modes) -> f64 {
     SLACK * modes.squares.last().map_or(0.0, |x| x.abs())
 }
 
-/// The loaded state of a scene, from its start; `loads` says whether there are any.
+/// Computes the loaded state of a scene from its start; `loads` is true if loads act.
 ///
 /// # Errors
-/// [`NotSolved`] where there is none, or it was not found.
+/// [`NotSolved`] if there is no equilibrium, or if it was not found.
 pub fn loaded(scene: &mut Scene, loads: bool) -> Result<Loaded, NotSolved> {
     let mut s = scene.initial();
     let first = scene.linearised(s.at());

@@ -1,12 +1,12 @@
-//! Forces of mounts as rows over the motion of a scene: those of bearings by their stiffness and damping, of held hubs those of
-//! the teeth.
+//! Forces on the ground as linear functions of the motion: of bearings by stiffness and damping, of held hubs by the
+//! tooth forces.
 
 use super::cycle::Running;
 use super::response::GroundForce;
 use gearbench_integrators::system::SecondOrderSystem;
 use gearbench_models::scene::Scene;
 
-/// The forces of the mounts of all gears that turn and stand on no carrier.
+/// The forces of the mounts of all rotating gears that are not on a carrier.
 pub fn grounds(scene: &mut Scene, running: &Running) -> Vec<GroundForce> {
     let s = &running.start.state;
     let (n, meshes) = (scene.layout().n, scene.meshes().len());

@@ -1,8 +1,8 @@
-//! The mesh mode of a model: of the natural motions of its scene about the equilibrium of the loads that in which the hubs close
-//! the meshes most; see [`super::cycle`].
+//! The mesh mode of a model: the natural mode, about the equilibrium under loads, in which the hubs close the meshes
+//! most; see [`super::cycle`].
 //!
-//! A damping that a scene states means different things to different models: a ratio of the contact's spring, of each mode of a
-//! body, of tooth springs. The damping ratio of the mesh mode is comparable across models.
+//! The damping of a scene has different meanings in different models: a ratio for the contact spring, for each mode of
+//! a body, or for tooth springs. The damping ratio of the mesh mode is comparable across models.
 
 use super::cycle::{PHASES, Resonance, mesh_mode_at, running};
 use super::motions::energies;
@@ -19,12 +19,13 @@ use gearbench_models::spec::{ModelSpec, Modelling, SceneSpec};
 use gearbench_reports::record::{MeshMode, finite};
 use std::f64::consts::TAU;
 
-/// Coordinates up to which the mesh mode is computed next to a study of another kind: the work grows with their cube.
+/// Largest number of coordinates for which other studies compute the mesh mode: the work grows with the cube.
 pub const FEW: usize = 300;
-/// Coordinates up to which the resonance over the mesh cycle is computed there: each phase takes a decomposition.
+/// Largest number of coordinates for which other studies compute the resonance over the mesh cycle: each phase takes a
+/// decomposition.
 const FEW_OVER_CYCLE: usize = 150;
 
-/// The mesh mode of a scene with loads, where its loaded state was found.
+/// The mesh mode of a loaded scene in its equilibrium.
 pub fn mesh_mode_of(
     label: &str,
     scene: &mut Scene,
@@ -66,8 +67,8 @@ pub fn mesh_mode_of(
     }
 }
 
-/// The mesh mode of a model of a scene, with the resonance over its cycle up to so many coordinates; `None` where the scene has
-/// no loads.
+/// Computes the mesh mode of a model of a scene, with its resonance over the cycle for at most so many coordinates;
+/// `None` if the scene has no loads.
 pub fn mesh_mode(
     label: &str,
     (scene, modelling): (&SceneSpec, &Modelling),
@@ -107,7 +108,7 @@ pub fn mesh_mode(
     Some(with_resonance(mode, of_cycle))
 }
 
-/// A mesh mode with the resonance over the cycle.
+/// Adds the resonance over the cycle to a mesh mode.
 pub fn with_resonance(mode: MeshMode, found: Option<Resonance>) -> MeshMode {
     let found = found.filter(|_| mode.frequency_hz.is_some());
     MeshMode {
@@ -117,8 +118,8 @@ pub fn with_resonance(mode: MeshMode, found: Option<Resonance>) -> MeshMode {
     }
 }
 
-/// The resonance of the first mesh of a scene over its cycle; `None` where its gears stand still, where it is too large, or
-/// where a phase has no equilibrium.
+/// The resonance of the first mesh of a scene over its cycle; `None` if its gears are at rest, if it has too many
+/// coordinates, or if a phase has no equilibrium.
 pub fn resonance(scene: &mut Scene, spec: &SceneSpec, most: usize) -> Option<Resonance> {
     if scene.layout().n > most {
         return None;
@@ -127,7 +128,8 @@ pub fn resonance(scene: &mut Scene, spec: &SceneSpec, most: usize) -> Option<Res
     running.cycles.first()?.resonance()
 }
 
-/// The mesh modes of all models of a study whose scene has loads. What cannot be computed is a row with the reason.
+/// The mesh modes of all models of a study whose scene has loads. A mode that cannot be computed gives a row with the
+/// reason.
 ///
 /// # Errors
 /// [`JournalError`].

@@ -1,16 +1,16 @@
-//! Scenes in the equilibrium of their loads, and to first order there.
+//! Linearised scenes: equilibrium under the loads, natural modes and frequency response.
 //!
 //! | module | owns |
 //! |---|---|
-//! | `choice` | models with dense matrices |
-//! | [`cycle`] | the meshes through their cycles, slowly |
-//! | `damping` | damping ratios of modes, and frequencies with damping |
+//! | `choice` | selection of models with dense matrices |
+//! | [`cycle`] | meshes over their cycles in quasi-static motion |
+//! | `damping` | damping ratios and damped frequencies of modes |
 //! | `equilibrium` | the loaded state |
-//! | [`grounds`] | forces of mounts over the motion |
+//! | [`grounds`] | forces on the ground as functions of the motion |
 //! | [`mesh_mode`] | the mode that strains the meshes most, and its damping |
-//! | [`motions`] | natural motions, their damping and their energies |
-//! | [`response`] | frequency response to the passing of teeth |
-//! | `space` | motions without constraints and rigid ones, their modes |
+//! | [`motions`] | natural modes, their damping and energies |
+//! | [`response`] | frequency response to tooth meshing |
+//! | `space` | admissible motions and their modes |
 
 mod choice;
 pub mod cycle;
@@ -33,13 +33,13 @@ use gearbench_models::gear::table::Model;
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{Load, Modelling, Mount, Profile, SceneSpec, StationMember};
 
-/// Coordinates that a scene may have: matrices are dense.
+/// Largest number of coordinates of a scene, as its matrices are dense.
 pub const MOST: usize = 1500;
 
-/// Why a scene has no loaded state.
+/// Reason why a scene has no loaded state.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum NotSolved {
-    /// A matrix is none to work with.
+    /// The matrices of the scene do not allow a solution, for the given reason.
     #[error("{0}")]
     Matrices(&'static str),
     /// No equilibrium was found.
@@ -50,24 +50,24 @@ pub enum NotSolved {
         imbalance
     )]
     Unbalanced {
-        /// Steps taken.
+        /// Number of Newton steps taken.
         steps: u32,
-        /// Largest force that is not balanced, over the largest load.
+        /// Largest residual force, relative to the largest load.
         imbalance: f64,
-        /// The member of the scene that it acts on.
+        /// The member on which the largest residual force acts.
         at: String,
     },
-    /// The user ended it.
+    /// The user interrupted the search.
     #[error("interrupted")]
     Interrupted,
-    /// The scene is too large.
+    /// The scene has too many coordinates.
     #[error(
         "it has {0} coordinates, but dense matrices have at most {MOST}; use elastic gears with fewer modes"
     )]
     TooLarge(usize),
 }
 
-/// The scene with its loads and motions as they are in the end.
+/// The scene with constant loads and motions, equal to their final values.
 pub fn settled(spec: &SceneSpec) -> SceneSpec {
     let mut spec = spec.clone();
     let constant = |p: &mut Profile| *p = Profile::Constant(p.settled());
@@ -92,7 +92,7 @@ pub fn settled(spec: &SceneSpec) -> SceneSpec {
     spec
 }
 
-/// Whether a scene has loads at a time.
+/// True if an applied or viscous load acts in a scene at a time [s].
 pub fn has_loads(spec: &SceneSpec, t: f64) -> bool {
     let acts = |load: &Load| match load {
         Load::Applied(p) => p.value(t) != 0.0,
@@ -103,7 +103,7 @@ pub fn has_loads(spec: &SceneSpec, t: f64) -> bool {
     gears.chain(bodies.flat_map(|b| &b.loads)).any(acts)
 }
 
-/// Assembles a scene as it starts: where a mesh asks for it in the equilibrium of its loads at time zero.
+/// Assembles a scene in its initial state, which is the equilibrium of its loads at time zero where a mesh requires it.
 ///
 /// # Errors
 /// [`BuildError`], also of a scene that has no such equilibrium.

@@ -1,4 +1,4 @@
-//! The natural motions of a scene about its loaded state: frequencies, damping, and where the energy of each lies.
+//! Natural modes of a scene about its loaded state: frequency, damping, and distribution of energy.
 
 use super::Loaded;
 use super::damping::{Damped, damped};
@@ -7,19 +7,19 @@ use gearbench_models::scene::{LinearisedScene, Scene, StrainIn};
 use nalgebra::{DMatrix, DVector};
 use std::collections::BTreeMap;
 
-/// Part of the highest eigenvalue below which a motion is rigid.
+/// Share of the highest eigenvalue below which a motion is rigid.
 pub const SLACK: f64 = 1e-12;
 
-/// A natural motion of a scene.
+/// A natural mode, or a rigid-body motion, of a scene.
 #[derive(Clone, Debug)]
 pub struct Motion {
     /// Angular frequency [rad/s]; zero of rigid motions and of those with a negative stiffness.
     pub omega: f64,
-    /// Eigenvalue [rad^2/s^2].
+    /// Eigenvalue `omega^2` [rad^2/s^2].
     pub square: f64,
-    /// Damping, of motions that swing.
+    /// Damping; `None` for rigid-body motions.
     pub damped: Option<Damped>,
-    /// Displacement of the coordinates at unit modal mass.
+    /// Mode shape over the coordinates, at unit modal mass.
     pub x: Vec<f64>,
 }
 
@@ -29,7 +29,7 @@ impl Loaded {
         self.modes.squares.last().map_or(0.0, |x| x.abs())
     }
 
-    /// All natural motions, rigid ones first, then ascending in frequency.
+    /// All natural modes: rigid-body motions first, then by ascending frequency.
     pub fn motions(&self) -> Vec<Motion> {
         let squares = &self.modes.squares;
         let highest = self.highest_square();
@@ -62,18 +62,18 @@ impl Loaded {
     }
 }
 
-/// Energies of a motion.
+/// Kinetic and strain energy of a motion.
 #[derive(Clone, Debug, Default)]
 pub struct Energies {
-    /// Kinetic, by member, for a rate of the motion [J].
+    /// Kinetic energy at unit modal velocity, by member [J].
     pub kinetic: Vec<f64>,
-    /// The part of it in own coordinates, by member [J].
+    /// Part of the kinetic energy in internal coordinates, by member [J].
     pub own: Vec<f64>,
-    /// Strain [J].
+    /// Strain energy by spring [J].
     pub strain: BTreeMap<StrainIn, f64>,
 }
 
-/// Energies of a displacement `x` at unit rate.
+/// Computes the energies of a displacement `x` with velocity `x`.
 pub fn energies(scene: &mut Scene, s: &State, linear: &LinearisedScene, x: &[f64]) -> Energies {
     let n = x.len();
     let column = nalgebra::DMatrix::from_column_slice(n, 1, x);
@@ -93,7 +93,7 @@ pub fn energies(scene: &mut Scene, s: &State, linear: &LinearisedScene, x: &[f64
 }
 
 impl Energies {
-    /// Those of several motions together.
+    /// Adds the energies of another motion.
     pub fn add(&mut self, other: Energies) {
         for (to, from) in [
             (&mut self.kinetic, other.kinetic),

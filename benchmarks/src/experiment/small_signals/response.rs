@@ -1,17 +1,18 @@
-//! Frequency response of a scene to its teeth: what a train that runs at any speed answers to the passing of its teeth, to
-//! first order in forces, while no flanks part.
+//! Frequency response of a scene to its tooth meshing: linear in the forces, at any speed, as long as flanks stay in
+//! contact.
 //!
-//! Each mesh follows its own law through its cycle ([`cycle`](super::cycle)): with `e` the closing by the hubs, `b` what teeth and
-//! modes take of it, and `u = e - b` what is left for the contact,
+//! Each mesh follows its own force law over its cycle ([`cycle`](super::cycle)). With `e` the closing by the hubs, `b`
+//! the deflection of teeth and modes, and `u = e - b` the deflection of the contact,
 //!
 //! ```text
 //! N = N_s + k (u - u_s) + c u'
-//! b = (C - 1/k) R N          R = 1 at rest: how teeth and modes answer at a frequency, over what they do slowly
+//! b = (C - 1/k) R N          R: dynamic over quasi-static compliance of teeth and modes, 1 at frequency zero
 //! M x'' + D x' + K x = loads - sum w N,      e = h x
 //! ```
 //!
-//! Stiffness varies as teeth pass: forces at the multiples of the mesh frequency are found together (harmonic balance), which
-//! is exact for a linear law. Meshes of another frequency keep the law of the first phase. `R` is that of the first phase.
+//! The stiffness varies with the tooth meshing: forces at all multiples of the mesh frequency are solved together
+//! (harmonic balance), which is exact for a linear law. Meshes of other frequencies keep the law of the first phase.
+//! `R` is that of the first phase.
 
 use super::cycle::{MeshCycle, MeshRow, Running};
 use super::{NotSolved, Space};
@@ -19,64 +20,64 @@ use gearbench_models::scene::Scene;
 use nalgebra::{Complex, DMatrix, DVector};
 use std::f64::consts::TAU;
 
-/// Coupling of modes by dampers, over the largest damping, that counts as none.
+/// Coupling of modes by dampers, relative to the largest damping, that counts as zero.
 const COUPLED: f64 = 1e-9;
 
 type C = Complex<f64>;
 
-/// A force on the ground that is looked at: its rows over displacements and velocities, and its part of the mesh forces.
+/// A force on the ground as linear function of displacements, velocities and mesh forces.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct GroundForce {
-    /// Index of the gear.
+    /// Index of the gear in the scene.
     pub gear: usize,
-    /// Rows of its two directions across the axis over displacements [N/m].
+    /// Stiffness rows of both directions across the axis over displacements [N/m].
     pub stiffness: [Vec<f64>; 2],
-    /// Over velocities [N s/m].
+    /// Damping rows of both directions over velocities [N s/m].
     pub damping: [Vec<f64>; 2],
-    /// Of mesh forces, by mesh [-].
+    /// Share of each mesh force in both directions [-].
     pub of_meshes: [Vec<f64>; 2],
 }
 
-/// What a mesh answers at a mesh frequency.
+/// Response of one mesh at a mesh frequency.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MeshAnswer {
-    /// The mesh.
+    /// Index of the mesh in the scene.
     pub mesh: usize,
-    /// Transmission error about its mean, through a cycle [m].
+    /// Transmission error without its mean over a mesh cycle [m].
     pub error: Vec<f64>,
-    /// Force through a cycle [N].
+    /// Mesh force over a mesh cycle [N].
     pub force: Vec<f64>,
 }
 
-/// What the scene answers at a mesh frequency of a group of meshes.
+/// Response of the scene at the mesh frequency of a group of meshes.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Answer {
     /// Mesh frequency [Hz].
     pub frequency: f64,
-    /// Meshes of the group.
+    /// Responses of the meshes of the group.
     pub meshes: Vec<MeshAnswer>,
-    /// Forces on the ground about their mean, two directions through a cycle [N].
+    /// Forces on the ground without their mean, two directions over a mesh cycle [N].
     pub grounds: Vec<[Vec<f64>; 2]>,
 }
 
-/// The scene without the meshes of a group, in the modes of what is left.
+/// The scene without the meshes of a group, in modal coordinates.
 struct Rest {
     squares: Vec<f64>,
     damping: DMatrix<f64>,
-    /// Dampers couple modes.
+    /// True if dampers couple the modes.
     coupled: bool,
-    /// Rows of flanks of the group, mode by mode.
+    /// Closing of the flanks of each mesh by the modes.
     flanks: Vec<DVector<f64>>,
     hubs: Vec<DVector<f64>>,
     grounds: Vec<[[DVector<f64>; 2]; 2]>,
 }
 
-/// The response to the meshes of a group.
+/// Frequency response of a scene to the meshes of a group.
 pub struct Response<'a> {
     cycle: &'a MeshCycle,
     grounds: &'a [GroundForce],
     rest: Rest,
-    /// Answer of teeth and modes of each mesh to its own force, slowly [m/N].
+    /// Quasi-static compliance of teeth and modes of each mesh under its own force [m/N].
     slowly: Vec<f64>,
 }
 
@@ -84,7 +85,8 @@ fn row(x: &[f64]) -> DMatrix<f64> {
     DMatrix::from_row_slice(1, x.len(), x)
 }
 
-/// What teeth and modes give way by under a unit force of their mesh that loads on the hubs hold up [m/N].
+/// Quasi-static compliance of teeth and modes under a unit force of their mesh that is balanced by loads on the hubs
+/// [m/N].
 fn slowly(
     scene: &Scene,
     running: &Running,
@@ -110,10 +112,10 @@ fn slowly(
 }
 
 impl<'a> Response<'a> {
-    /// Of one of the cycles of a scene that runs.
+    /// Prepares the response to one mesh cycle of a scene in quasi-static motion.
     ///
     /// # Errors
-    /// [`NotSolved`] where matrices are none to work with.
+    /// [`NotSolved`] if the matrices do not allow a solution.
     pub fn new(
         scene: &Scene,
         running: &Running,
@@ -162,17 +164,17 @@ impl<'a> Response<'a> {
         })
     }
 
-    /// What teeth and modes of a mesh give way by.
+    /// Deflection of the teeth and modes of a mesh relative to its hubs.
     fn behind(&self, mesh: usize, answer: &DVector<C>) -> C {
         dot(&self.rest.flanks[mesh], answer) - dot(&self.rest.hubs[mesh], answer)
     }
 
-    /// Phases of the cycle.
+    /// Number of phases of the cycle.
     fn phases(&self) -> usize {
         self.cycle.phases[0].len()
     }
 
-    /// At a mesh frequency [Hz]; None where the balance has no solution.
+    /// Computes the response at a mesh frequency [Hz]; `None` if the harmonic balance has no solution.
     pub fn at(&self, frequency: f64) -> Option<Answer> {
         let (p, meshes) = (self.phases(), self.cycle.meshes.len());
         let omega = TAU * frequency;
@@ -269,13 +271,13 @@ fn mean_of<T>(all: &[T], of: impl Fn(&T) -> f64) -> f64 {
     all.iter().map(of).sum::<f64>() / all.len() as f64
 }
 
-/// A real row on a complex motion.
+/// Product of a real row and a complex vector.
 fn dot(row: &DVector<f64>, x: &DVector<C>) -> C {
     row.iter().zip(x).map(|(r, x)| x * *r).sum()
 }
 
 impl Rest {
-    /// Motions by unit forces of the meshes at an angular frequency.
+    /// Modal motions under unit forces of the meshes at an angular frequency [rad/s].
     fn answers(&self, omega: f64) -> Option<Vec<DVector<C>>> {
         let n = self.squares.len();
         let own = |i: usize| {
@@ -298,13 +300,14 @@ impl Rest {
     }
 }
 
-/// First column of the matrix that multiplies the harmonics `1 ..` of so many samples by a factor, and takes the mean out.
+/// First column of the circulant matrix that multiplies the harmonics `1 ..` of `p` samples by a factor and removes
+/// their mean.
 fn circulant(p: usize, factor: impl Fn(usize) -> C) -> Vec<f64> {
     let harmonics = (p - 1) / 2;
     waves(p, harmonics, &|k| factor(k) * (2.0 / p as f64))
 }
 
-/// The matrix of a first column.
+/// The circulant matrix with a first column.
 fn square(column: &[f64]) -> DMatrix<f64> {
     let p = column.len();
     DMatrix::from_fn(p, p, |i, j| column[(p + i - j) % p])

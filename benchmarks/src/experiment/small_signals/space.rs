@@ -1,40 +1,41 @@
-//! The motions that a scene may make, in coordinates of unit mass: those that constraints leave, without the rigid ones.
+//! Space of admissible motions in coordinates of unit mass: the motions that satisfy the constraints, without
+//! rigid-body ones.
 //!
-//! With `M = L L^T` and `y = L^T x` a motion is held to the complement of some directions by Householder's reflections that
-//! take these to the first axes; what is left are `n - h` coordinates in which stiffness and damping are matrices, to
-//! rounding of their own size. No direction that is held gets a frequency.
+//! With `M = L L^T` and `y = L^T x` the constrained directions are mapped to the first axes by Householder reflections.
+//! The remaining `n - h` coordinates span the admissible motions; stiffness and damping are matrices over them,
+//! accurate to rounding relative to their own size. Constrained directions have no frequency.
 
 use super::NotSolved;
 use faer::Mat;
 use gearbench_reference::modes::symmetric_eigen;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
-/// A direction that adds less than this to those before it is none of its own.
+/// A direction is linearly dependent if its relative remainder is smaller.
 const DEPENDENT: f64 = 1e-10;
-/// Part of the size of a matrix that an eigenvector may leave over.
+/// Largest residual of an eigenvector, relative to the size of the matrix.
 const RESIDUAL: f64 = 1e-10;
 
-/// Motions in coordinates of unit mass.
+/// Admissible motions in coordinates of unit mass.
 #[derive(Clone, Debug)]
 pub struct Space {
     mass: Cholesky<f64, Dyn>,
-    /// Unit normals of the reflections; the first entries of the k-th, k of them, are zero.
+    /// Unit normals of the Householder reflections; the first k entries of the k-th are zero.
     reflections: Vec<DVector<f64>>,
 }
 
-/// Eigenvalues [rad^2/s^2], ascending, and vectors in the coordinates of a space.
+/// Eigenvalues [rad^2/s^2], ascending, and eigenvectors in the coordinates of a space.
 #[derive(Clone, Debug)]
 pub struct Modes {
     /// Squares of the angular frequencies, ascending [rad^2/s^2].
     pub squares: Vec<f64>,
-    /// Vectors, column by column.
+    /// Eigenvectors as the columns of a matrix.
     pub vectors: DMatrix<f64>,
-    /// Largest `|K u - lambda u|` over the size of the matrix.
+    /// Largest `|K u - lambda u|`, relative to the size of the matrix.
     pub residual: f64,
 }
 
 impl Space {
-    /// All motions.
+    /// The space of all motions, without constraints.
     pub fn new(mass: &DMatrix<f64>) -> Result<Space, NotSolved> {
         let mass = (mass.clone().cholesky())
             .ok_or(NotSolved::Matrices("its mass is not positive definite"))?;
@@ -44,7 +45,7 @@ impl Space {
         })
     }
 
-    /// Holds `C x = 0`.
+    /// Adds the constraints `C x = 0`.
     pub fn hold(&mut self, rows: &[Vec<f64>]) {
         for row in rows {
             let row = self.over_mass(row);
@@ -52,7 +53,7 @@ impl Space {
         }
     }
 
-    /// Holds the motions along a vector `y`.
+    /// Constrains the motion along a vector `y`.
     pub fn hold_along(&mut self, along: DVector<f64>) {
         let (k, size) = (self.reflections.len(), along.norm());
         let mut normal = along;
@@ -67,17 +68,17 @@ impl Space {
         self.reflections.push(normal);
     }
 
-    /// How many directions are held.
+    /// Number of constrained directions.
     pub fn held(&self) -> usize {
         self.reflections.len()
     }
 
-    /// How many motions are left.
+    /// Number of admissible motions.
     pub fn motions(&self) -> usize {
         self.mass.l_dirty().nrows() - self.held()
     }
 
-    /// `L^-1 f`.
+    /// Computes `L^-1 f` with the Cholesky factor `L` of the mass matrix.
     fn over_mass(&self, f: &[f64]) -> DVector<f64> {
         let mut y = DVector::from_column_slice(f);
         self.mass.l_dirty().solve_lower_triangular_mut(&mut y);
@@ -91,31 +92,31 @@ impl Space {
         }
     }
 
-    /// A force in the coordinates of the space.
+    /// Projects a force on the coordinates of the space.
     pub fn force(&self, f: &[f64]) -> DVector<f64> {
         let mut y = self.over_mass(f);
         self.reflect(&mut y);
         y.rows(self.held(), self.motions()).into_owned()
     }
 
-    /// The force over coordinates of one in the coordinates of the space.
+    /// The force over the coordinates of the scene of a force in the space.
     pub fn force_of(&self, u: &DVector<f64>) -> Vec<f64> {
         (self.mass.l() * self.whole(u)).as_slice().to_vec()
     }
 
-    /// A velocity in the coordinates of the space: what of it lies there.
+    /// Projects a velocity on the coordinates of the space.
     pub fn velocity(&self, v: &[f64]) -> DVector<f64> {
         let mut y = self.all_velocity(v);
         self.reflect(&mut y);
         y.rows(self.held(), self.motions()).into_owned()
     }
 
-    /// A velocity as `y` of all motions.
+    /// Converts a velocity to coordinates `y` of unit mass.
     pub fn all_velocity(&self, v: &[f64]) -> DVector<f64> {
         self.mass.l().transpose() * DVector::from_column_slice(v)
     }
 
-    /// The part of a velocity along the first directions that are held.
+    /// The part of a velocity along the first constrained directions.
     pub fn held_velocity(&self, v: &[f64], first: usize) -> Vec<f64> {
         let mut y = self.all_velocity(v);
         self.reflect(&mut y);
@@ -128,19 +129,19 @@ impl Space {
         self.displacement_of(&y)
     }
 
-    /// Size of a force, over masses.
+    /// Norm of a force, weighted by the inverse mass.
     pub fn size_of(&self, f: &[f64]) -> f64 {
         self.over_mass(f).norm()
     }
 
-    /// The displacement of a `y` of all motions.
+    /// Converts coordinates `y` of unit mass to a displacement.
     pub fn displacement_of(&self, y: &DVector<f64>) -> Vec<f64> {
         let mut x = y.clone();
         self.mass.l_dirty().tr_solve_lower_triangular_mut(&mut x);
         x.as_slice().to_vec()
     }
 
-    /// A motion of the space as `y` of all motions.
+    /// Converts coordinates of the space to coordinates `y` of all motions.
     pub fn whole(&self, u: &DVector<f64>) -> DVector<f64> {
         let mut y = DVector::zeros(self.held() + self.motions());
         y.rows_mut(self.held(), self.motions()).copy_from(u);
@@ -151,12 +152,12 @@ impl Space {
         y
     }
 
-    /// The displacement of a motion.
+    /// Converts coordinates of the space to a displacement.
     pub fn displacement(&self, u: &DVector<f64>) -> Vec<f64> {
         self.displacement_of(&self.whole(u))
     }
 
-    /// A matrix over displacements in the coordinates of the space.
+    /// Projects a matrix over displacements on the coordinates of the space.
     pub fn matrix(&self, a: &DMatrix<f64>) -> DMatrix<f64> {
         let mut a = a.clone();
         for _ in 0..2 {
@@ -171,7 +172,7 @@ impl Space {
         a.view((from, from), (n, n)).into_owned()
     }
 
-    /// Modes of the symmetric part of a stiffness.
+    /// Computes the modes of the symmetric part of a stiffness matrix.
     pub fn modes(&self, stiffness: &DMatrix<f64>) -> Result<Modes, NotSolved> {
         let a = self.matrix(stiffness);
         let a = 0.5 * (&a + a.transpose());
@@ -210,8 +211,8 @@ const NOT_FINITE: &str = "its tangent is not finite";
 mod tests {
     use super::*;
 
-    /// Three masses on a line: with a rigid bar between two of them the pair swings as one; without its rigid motion nothing
-    /// else changes.
+    /// Three masses on a line: a rigid bar between two of them makes the pair vibrate as one; removing the rigid-body
+    /// motion does not change the other modes.
     #[test]
     fn what_is_held_has_no_frequency() {
         let mass = DMatrix::from_diagonal(&DVector::from_column_slice(&[2.0, 1.0, 3.0]));

@@ -1,4 +1,4 @@
-//! Labels that only a comparison gives: against the tolerance of the scene, and against the model's own converged solution.
+//! Statuses that follow from a comparison: with the tolerance of the scene, or with the model's own converged solution.
 
 use gearbench_reports::Adequacy;
 use gearbench_reports::comparison::Yardstick;
@@ -6,13 +6,12 @@ use gearbench_reports::numbers::{digits_apart, short};
 use gearbench_reports::record::{Run, SELF, Status, Tolerance};
 use gearbench_reports::series::TimeSeries;
 
-/// Error in the L1 norm against the model's own converged solution from which on a run is inaccurate where the scene does
-/// not say [-].
+/// Default limit of the L1 error against the model's own converged solution, above which a run is inaccurate [-].
 pub const OWN_ERROR: f64 = 0.05;
 
-/// Judges a run that reached its end, once its metrics are there: by the tolerance of the scene and the own error of the
-/// yardstick that it refers to, or, where the scene has none, by the model's own converged solution; `missing` is the reason why there is no such solution for this run. A run
-/// that neither can judge is `unchecked` and has not passed.
+/// Sets the status of a completed run from its metrics: by the tolerance of the scene and the error of the yardstick,
+/// or, without a tolerance, by the model's own converged solution; `missing` is the reason why there is no such
+/// solution for this run. A run that neither can judge is `unchecked` and has not passed.
 pub fn judge(
     run: &mut Run,
     (tolerance, yardstick): (Option<&Tolerance>, Option<&Yardstick>),
@@ -42,7 +41,7 @@ pub fn judge(
     }
 }
 
-/// Outcome of a comparison.
+/// Result of the comparison with the tolerance of the scene.
 enum Verdict {
     Within,
     Beyond(String),
@@ -50,7 +49,8 @@ enum Verdict {
     NotJudged(String),
 }
 
-/// What makes an error against a reference smaller: of a model against itself it is one of integration.
+/// The advice that reduces the error of a run against a reference; for a model's own converged solution it is an
+/// integration error.
 fn way_out(run: &Run, against: &str, limit: f64) -> &'static str {
     const FINER: &str = "use a smaller step or tolerance";
     if against == SELF {
@@ -130,10 +130,10 @@ fn by_own_solution(run: &Run, missing: Option<&str>) -> Verdict {
     }
 }
 
-/// Errors in the L1 norm from which on a reader wants to know whether it is another sequence of contacts [-].
+/// L1 error above which a different sequence of contacts is reported [-].
 const OTHER_CONTACTS: f64 = 0.01;
 
-/// When the force of a history first acts [s].
+/// Time of the first contact in a force history [s].
 fn first_touch(series: &TimeSeries) -> Option<f64> {
     match &series.force {
         Some(force) => force.begins(),
@@ -144,8 +144,8 @@ fn first_touch(series: &TimeSeries) -> Option<f64> {
     }
 }
 
-/// Labels a run without any contact whose reference, of the same model, has one: its steps went over it. Where both
-/// touch but not as often, later contacts are others than those of the reference, and a large error says so.
+/// Sets the status of a run without contact whose reference, of the same model, has one: its steps passed over it. If
+/// both have contacts of different number, a large error is explained by the other sequence of contacts.
 pub fn against_contact(run: &mut Run, reference: &TimeSeries) {
     if run.status.is_failure() {
         return;

@@ -1,22 +1,22 @@
-//! How a run ended: one label for every way a run can go wrong, with when, how much, and a way out.
+//! Status of a run: one label for every kind of failure, with time, magnitude and advice.
 //!
-//! | label | when |
+//! | label | condition |
 //! |---|---|
-//! | newton failure | Newton's method did not converge, its matrix was singular, or a library's solver gave up |
-//! | step underflow | the tolerance asked for steps below what time resolves |
+//! | newton failure | Newton's method did not converge, its matrix was singular, or the solver of a library failed |
+//! | step underflow | the tolerance required steps below the resolution of time |
 //! | chatter | contacts open and close at one instant without end |
 //! | timeout | the bound of processor time of the integration, or of steps, was reached |
 //! | blow-up | a coordinate or an energy is not finite, or the energy has grown [`BLOWN_UP`]-fold |
-//! | energy growth | more than [`ENERGY_GROWTH`] of the energy that vibrates ([`Ledger::growth`]) is made up at the end, or [`HOPELESS`] of all energy on the way |
-//! | tunnelling | teeth passed through each other, or stood in each other without a force, or a step went over a contact |
+//! | energy growth | unexplained energy at the end ([`ENERGY_GROWTH`], [`Ledger::growth`]), or earlier ([`HOPELESS`]) |
+//! | tunnelling | teeth passed through each other, or overlapped without a force, or a step passed over a contact |
 //! | adhesive force | a contact pulled |
-//! | inaccurate | the run reached its end beyond the tolerance of its scene, or [`OWN_ERROR`] off its model's converged solution |
-//! | converged | none of these, and a comparison shows an error within the tolerance of the scene, or within [`OWN_ERROR`] of the model's converged solution |
-//! | unchecked | none of these, and no comparison: the run was not judged. That a method kept its own tolerance is no judgement |
+//! | inaccurate | the error exceeds the tolerance of the scene, or [`OWN_ERROR`] against the converged solution |
+//! | converged | the error is within the tolerance of the scene, or within [`OWN_ERROR`] of the converged solution |
+//! | unchecked | none of these, and no comparison; the method's own tolerance is no comparison |
 //!
-//! What an integrator says of itself ([`status_of`]) comes first; what only the whole run shows comes next, by a
-//! [`RunMonitor`] that watches it: whatever went wrong first names the run, because what follows is its consequence. What
-//! only a comparison shows comes last ([`against_contact`], [`judge`]).
+//! Errors of the integrator ([`status_of`]) have priority. Findings of the [`RunMonitor`] over the whole run come next:
+//! the first one sets the status, as later ones are its consequences. Results of comparisons come last
+//! ([`against_contact`], [`judge`]).
 
 mod compared;
 mod tunnelling;
@@ -35,18 +35,18 @@ use std::time::{Duration, Instant};
 pub use compared::{OWN_ERROR, against_contact, judge};
 pub use tunnelling::TunnellingDetector;
 
-/// Energy that the integration may make up, over the largest energy, before a run counts as growth.
+/// Unexplained energy, relative to the largest energy, above which a run counts as growing.
 pub const ENERGY_GROWTH: f64 = 0.02;
-/// Made-up share of the energy at which a run is beyond saving and stops.
+/// Unexplained energy, relative to the largest energy, above which a run is stopped.
 pub const HOPELESS: f64 = 0.5;
-/// Energy at that moment, over what the start and the loads put in, that is a blow-up.
+/// Energy, relative to the energy supplied by start and loads, above which a stopped run counts as blown up.
 pub const BLOWN_UP: f64 = 1e3;
-/// Pull on a contact, over the peak force, before a run counts as adhesive. The interpolant of a coarse step may
-/// dip a little below zero just before the contact opens; the law itself never pulls.
+/// Tensile contact force, relative to the peak force, from which on a run counts as adhesive. The interpolant of a
+/// coarse step may be slightly negative just before the contact opens; the force law itself never is.
 const ADHESION: f64 = 1e-3;
 
-/// The label of what an integrator says of itself. [`StepError::Unsupported`] and [`StepError::Interrupted`] are no ends
-/// of a run but refusals of one: [`run`](super::run::run) returns them as errors.
+/// The status of a run that ended with an integration error. [`StepError::Unsupported`] and [`StepError::Interrupted`]
+/// are refusals, not statuses: [`run`](super::run::run) returns them as errors.
 pub fn status_of(e: &StepError) -> Status {
     match e {
         // What a library's solver gives up on without a reason of its own are its implicit equations.
@@ -61,7 +61,7 @@ pub fn status_of(e: &StepError) -> Status {
     }
 }
 
-/// What an integrator says of itself, with a way out; one with a `fixed` step has no tolerance to loosen.
+/// The message of an integration error with advice; a method with a `fixed` step has no tolerance to loosen.
 pub fn message_of(e: &StepError, fixed: bool) -> String {
     match e {
         StepError::NewtonDiverged { t, h, residual, .. } if !residual.is_finite() => format!(
@@ -89,40 +89,41 @@ pub fn message_of(e: &StepError, fixed: bool) -> String {
     }
 }
 
-/// Something that went wrong during a run.
+/// A failure or defect of a run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Finding {
-    /// When [s].
+    /// Time of the finding [s].
     pub time: f64,
-    /// The label.
+    /// Status of the run that the finding causes.
     pub status: Status,
-    /// When, how much, and a way out.
+    /// Message with time, magnitude and advice.
     pub message: String,
 }
 
-/// Watches a run: records its history and energy, and stops it once its energy is mostly made up, as an unstable run
-/// would otherwise go on to ever larger numbers and ever more impacts.
+/// Monitor of a run: records history and energy, and stops the run once most of its energy is unexplained, as an
+/// unstable run would otherwise continue to ever larger numbers and ever more impacts.
 pub struct RunMonitor {
-    /// Channels over time.
+    /// Recorded channels over time.
     pub history: History,
-    /// Energy balance.
+    /// Energy balance of the run.
     pub ledger: Ledger,
     tunnelling: TunnellingDetector,
     /// Channels of the mesh forces.
     forces: Vec<usize>,
-    /// Since when more than [`ENERGY_GROWTH`] of the energy is made up [s].
+    /// Time from which the unexplained energy exceeds [`ENERGY_GROWTH`] [s].
     growth: Option<f64>,
     stopped: Option<(f64, f64)>,
-    /// The method keeps its step.
+    /// True if the method has a fixed step.
     fixed: bool,
-    /// Events are located.
+    /// True if events are located.
     located: bool,
-    /// Wall time of watching, which neither the cost of a run nor its bound of time contains.
+    /// Wall time of the monitor, which counts neither as cost of the run nor against its time bound.
     pub spent: Duration,
 }
 
 impl RunMonitor {
-    /// Watches a scene on an ascending grid of times [s]; `also_steps` records the accepted steps in contact as well.
+    /// Creates a monitor of a scene with ascending sampling times [s]; `also_steps` records the accepted steps in
+    /// contact as well.
     pub fn new(spec: &SceneSpec, scene: &Scene, grid: Vec<f64>, also_steps: bool) -> Self {
         RunMonitor {
             history: History::whole(scene, grid, also_steps),
@@ -137,8 +138,7 @@ impl RunMonitor {
         }
     }
 
-    /// The same for a method with a fixed step or not, with events located or not: what is said of a failure is a way
-    /// out only of the plan that failed.
+    /// Adapts the advice in messages of failure to a plan: fixed step or tolerance, with or without event location.
     #[must_use]
     pub fn under(self, plan: &TimePlan<'_>) -> Self {
         RunMonitor {
@@ -163,7 +163,8 @@ impl RunMonitor {
         Control::Stop
     }
 
-    /// Closes the books at the last state of a run that ended like `outcome`, and names what went wrong.
+    /// Closes the energy balance at the last state of a run that ended with `outcome`, and returns its status and
+    /// message.
     pub fn status(
         &mut self,
         sys: &mut dyn SecondOrderSystem,
@@ -197,7 +198,7 @@ impl RunMonitor {
         }
     }
 
-    /// All that went wrong, one for each kind.
+    /// All findings of a run, one for each kind.
     fn findings(&self, end: f64) -> Vec<Finding> {
         let mut found = Vec::new();
         if let Some(time) = self.growth {
@@ -268,7 +269,7 @@ impl RunMonitor {
     }
 }
 
-/// The gears of a scene that turn together: those that meshes join.
+/// Groups of gears that meshes connect, for their energy balance.
 fn rotations(spec: &SceneSpec, scene: &Scene) -> Vec<Rotation> {
     let mut ratios: Vec<Option<f64>> = vec![None; spec.gears.len()];
     let mut all = Vec::new();

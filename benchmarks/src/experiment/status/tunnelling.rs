@@ -1,13 +1,13 @@
-//! Contacts that a run missed.
+//! Detection of missed contacts (tunnelling).
 //!
-//! The displacements of two hubs say how far the flanks of rigid teeth would have moved into each other along the line of
-//! action: the approach less the gap they started with, or, on the other flank, less the rest of the backlash. Elastic
-//! teeth give way by their deflection, no more. So a contact was missed where
+//! The displacements of both hubs determine how far the flanks of rigid teeth would overlap along the line of action:
+//! the approach less the gap at the start or, on the other flank, less the rest of the backlash. The overlap of elastic
+//! teeth is at most their deflection. A contact was missed if
 //!
 //! - the overlap is larger than any deflection, a tenth of the module: teeth passed through each other;
-//! - it is clearly larger than the deflection, and no force acts: teeth stand in each other unseen;
-//! - within one step the flanks met and parted again, the scene's own search finds a contact at the point of return,
-//!   but the speeds changed as they would have without: the step went over it.
+//! - it is clearly larger than the deflection, and no force acts: an overlap without contact force;
+//! - within one step the flanks touched and separated again, and the scene's own search finds a contact at the point of
+//!   return, but the speeds changed as without a contact: the step passed over it.
 
 use super::Finding;
 use gearbench_integrators::{AcceptedStep, Outputs, SecondOrderSystem, State};
@@ -21,36 +21,36 @@ use std::ops::Range;
 const PASSED: f64 = 0.1;
 /// Overlap without a force that no relief of the flanks explains, in modules.
 const UNSEEN: f64 = 0.03;
-/// The same over the typical deflection of the scene, for contacts that are soft.
+/// Overlap without a force that no relief explains, in typical deflections of the scene; it decides for soft contacts.
 const DEFLECTIONS: f64 = 4.0;
-/// A return point counts from this part of the typical deflection on.
+/// Overlap at a point of return, in typical deflections, from which on a contact counts as missed.
 const GRAZE: f64 = 0.01;
-/// Change of speed beyond what loads make, over the change, that shows a force.
+/// Change of speed beyond that by loads, relative to the total change, that indicates a contact force.
 const FELT: f64 = 0.25;
 
-/// A mesh as rigid geometry.
+/// Rigid geometry of a mesh.
 struct Pair {
     hubs: [(Hub, Range<usize>); 2],
-    /// Approach along the normal of the flanks by unit displacement of each hub.
+    /// Approach along the flank normal by unit displacement of each hub [m].
     effective_radii: [f64; 2],
-    /// And by its lateral directions.
+    /// Approach along the flank normal by unit displacement in the out-of-plane directions of each hub.
     lateral: [[f64; 6]; 2],
-    /// Gap at the start, and backlash, along the normal of the flanks [m].
+    /// Gap at the start, and backlash, along the flank normal [m].
     gap: f64,
     backlash: f64,
     module: f64,
     displacement: [usize; 2],
-    /// Coordinate and channel of the carrier that the gears are seen from, of a planetary set.
+    /// Coordinate and channel of the carrier of a planetary set, relative to which the gears move.
     carrier: Option<[usize; 2]>,
-    /// Channels of the lateral directions, the first five.
+    /// Channels of the first five out-of-plane directions.
     sideways: [Vec<usize>; 2],
     force: usize,
-    /// Change of the approach's rate by loads alone [m/s^2], from the last step without contact.
+    /// Rate of change of the approach velocity by loads alone [m/s^2], from the last step without contact.
     free: Option<f64>,
 }
 
 impl Pair {
-    /// Approach and its rate.
+    /// Approach [m] and its rate [m/s].
     fn at(&self, s: &State) -> [f64; 2] {
         let mut sum = [0.0; 2];
         if let Some([carrier, _]) = self.carrier {
@@ -74,29 +74,30 @@ impl Pair {
         sum
     }
 
-    /// Overlap on whichever flank is nearer [m], negative when both are apart.
+    /// Overlap on the closer flank [m]; negative if both flanks are apart.
     fn depth(&self, approach: f64) -> f64 {
         (approach - self.gap).max(-approach - (self.backlash - self.gap))
     }
 }
 
-/// Follows the meshes of a run.
+/// Detects missed contacts of the meshes of a run.
 pub struct TunnellingDetector {
     pairs: Vec<(usize, Pair)>,
     /// Names of the gears of each mesh.
     names: Vec<[String; 2]>,
     deflection: f64,
-    /// Mesh, time, overlap.
+    /// Mesh, time [s] and overlap [m] of the first contact in which teeth passed through each other.
     passed: Option<(usize, f64, f64)>,
     grazed: Option<(usize, f64, f64)>,
-    /// Mesh, time and overlap where it was largest, beyond a tenth of the module.
+    /// Mesh, time [s] and overlap [m] of the largest overlap above a tenth of the module.
     deepest: Option<(usize, f64, f64)>,
     inside: State,
     out: Outputs,
 }
 
 impl TunnellingDetector {
-    /// The meshes of a scene; those whose geometry rigid displacements do not tell are left out.
+    /// Creates a detector for the meshes of a scene, except for those whose gap does not follow from rigid
+    /// displacements.
     pub fn new(spec: &SceneSpec, scene: &Scene) -> Self {
         let pair = |m: usize| {
             let mesh = &spec.meshes[m];
@@ -166,7 +167,7 @@ impl TunnellingDetector {
         }
     }
 
-    /// Looks at an accepted step.
+    /// Checks an accepted step.
     pub fn accepted(&mut self, sys: &mut dyn SecondOrderSystem, step: &AcceptedStep<'_>) {
         let h = step.to.t - step.from.t;
         for (m, pair) in &mut self.pairs {
@@ -213,8 +214,8 @@ impl TunnellingDetector {
         }
     }
 
-    /// A warning where teeth overlap by more than a tenth of the module: the laws and the linear elasticity of teeth say
-    /// nothing of such deflections.
+    /// A warning if teeth overlap by more than a tenth of the module: contact laws and linear elasticity are not valid
+    /// there.
     pub(super) fn warning(&self) -> Option<String> {
         let (m, time, depth) = self.deepest?;
         let (_, pair) = self.pairs.iter().find(|(mesh, _)| *mesh == m)?;
@@ -225,7 +226,8 @@ impl TunnellingDetector {
         ))
     }
 
-    /// What was missed first; `rows` are times and channels of the run, `forces` the channels of its mesh forces.
+    /// Returns the first missed contact. `rows` are times and channels of the run, `forces` the channels of the mesh
+    /// forces.
     pub(super) fn finding<'a>(
         &self,
         rows: impl Iterator<Item = (&'a f64, &'a Vec<f64>)>,

@@ -1,4 +1,4 @@
-//! Keys of a toothing as the parameters of the geometry.
+//! Conversion of the keys of a toothing to the parameters of the geometry.
 
 use super::super::modifications::{by_side, end_reliefs};
 use super::{GearKeys, RackKeys};

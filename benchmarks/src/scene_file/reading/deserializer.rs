@@ -1,4 +1,4 @@
-//! The deserializer of a TOML value with its place.
+//! Deserialiser of a TOML value with its place in the file.
 //!
 //! Beyond serde's data model it reads three kinds of enumerations, which the format writes as plain TOML:
 //!
@@ -8,8 +8,8 @@
 //! | a word, or a table with a tag: `{ law = "flores", e = 0.9 }` | an enum renamed `<law>`; the variant reads the other keys. `<kind=gear>` gives the tag a default |
 //! | a value of one of several types | variants renamed `<number>`, `<text>`, `<flag>`, `<list>`, `<table>` |
 //!
-//! A newtype renamed `<gear>` takes a word that the file itself introduces, [`Context::known`](super::node::Context); one renamed
-//! `<distinct>` a list in which nothing stands twice. Lists are never empty, numbers always finite.
+//! A newtype renamed `<gear>` reads a name that the file itself defines, [`Context::known`](super::node::Context); one
+//! renamed `<distinct>` reads a list without duplicates. Lists are never empty, numbers always finite.
 
 use super::flaw::Flaw;
 use super::keys::{self, Table};
@@ -27,7 +27,7 @@ use toml::de::{DeTable, DeValue};
 static EMPTY: LazyLock<DeValue<'static>> = LazyLock::new(|| DeValue::Table(DeTable::new()));
 
 impl<'d> Node<'d> {
-    /// Variant and content of an enumeration.
+    /// Splits an enumeration into variant and content.
     fn choice(
         &self,
         name: &'static str,
@@ -89,7 +89,7 @@ impl<'d> Node<'d> {
         }
     }
 
-    /// The only entry of a table that takes exactly one of its keys.
+    /// Returns the only entry of a table that requires exactly one of its keys.
     fn only(&self, words: &[&'static str]) -> Result<(&'static str, Node<'d>), Flaw> {
         let entries = self.entries()?;
         let [entry, more @ ..] = entries.as_slice() else {
@@ -259,7 +259,7 @@ impl<'d> Deserializer<'d> for Node<'d> {
     }
 }
 
-/// Members of a list.
+/// Sequence access over the members of a list.
 struct Members<'d>(std::vec::IntoIter<Node<'d>>);
 
 impl<'d> SeqAccess<'d> for Members<'d> {
@@ -275,7 +275,7 @@ impl<'d> SeqAccess<'d> for Members<'d> {
     }
 }
 
-/// Entries of a table.
+/// Map access over the entries of a table.
 struct Entries<'d> {
     of: Node<'d>,
     left: std::vec::IntoIter<Node<'d>>,
@@ -326,7 +326,7 @@ impl<'d> MapAccess<'d> for Entries<'d> {
     }
 }
 
-/// The variant of an enumeration, and what belongs to it.
+/// Enum access: a variant and its content.
 struct Choice<'d> {
     variant: &'static str,
     content: Node<'d>,
@@ -345,7 +345,7 @@ impl<'d> EnumAccess<'d> for Choice<'d> {
 impl<'d> VariantAccess<'d> for Choice<'d> {
     type Error = Flaw;
 
-    /// A table with a tag may hold nothing beside it.
+    /// Checks that a table with a tag has no other keys.
     fn unit_variant(self) -> Result<(), Flaw> {
         match self.content.entries()?.first() {
             Some(more) => Err(Flaw::Placed(self.content.unknown_key(more, &[], None))),

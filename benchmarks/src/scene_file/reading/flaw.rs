@@ -1,23 +1,23 @@
-//! What serde finds wrong with a value, before and after it has a place in the file.
+//! Errors of deserialisation, with and without a place in the file.
 
 use super::super::error::SceneError;
 use serde::de;
 use std::fmt::{self, Display};
 
-/// What is wrong.
+/// An error in a value of the file.
 #[derive(Debug)]
 pub(super) enum Flaw {
-    /// With its place: nothing is added on the way out.
+    /// An error that has its place already.
     Placed(SceneError),
-    /// A key that the table does not have.
+    /// A key that the table does not know.
     UnknownKey,
-    /// A key that has to be there.
+    /// A required key that is missing.
     Missing(&'static str),
-    /// A word that is none of the known ones.
+    /// A word that is not among the valid ones.
     UnknownWord(String, &'static [&'static str]),
-    /// Another value than was expected.
+    /// A value of another type or range than expected.
     Expected(String),
-    /// In a sentence.
+    /// A message in a full sentence.
     Said(String),
 }
 

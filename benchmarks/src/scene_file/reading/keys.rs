@@ -1,4 +1,4 @@
-//! Tables of the format.
+//! Tables of keys of the scene format.
 
 use super::super::SceneKeys;
 use super::super::{
@@ -7,24 +7,24 @@ use super::super::{
 };
 use crate::studies::{check, precision, stability, sweep};
 
-/// The keys of a table and what they mean, unit and example included.
+/// The keys of a table with their meanings, units and examples.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Table {
-    /// Name of the struct that reads it.
+    /// Name of the struct into which the table is read.
     pub(crate) name: &'static str,
-    /// Key and meaning.
+    /// Each key with its meaning.
     pub(crate) keys: &'static [(&'static str, &'static str)],
 }
 
 impl Table {
-    /// What a key means.
+    /// The meaning of a key; empty for an unknown key.
     pub(super) fn meaning(&self, key: &str) -> &'static str {
         let found = self.keys.iter().find(|(k, _)| *k == key);
         found.map_or("", |(_, meaning)| meaning.trim_start())
     }
 }
 
-/// All tables of the format.
+/// Iterates over all tables of the format.
 pub(crate) fn tables() -> impl Iterator<Item = &'static Table> {
     [
         &SceneKeys::TABLE,
@@ -83,7 +83,7 @@ pub(crate) fn tables() -> impl Iterator<Item = &'static Table> {
     .chain([&profile::TurningGuide::TABLE, &profile::SlidingGuide::TABLE])
 }
 
-/// The table that a struct reads.
+/// Returns the table of a struct.
 pub(super) fn table(name: &str) -> Option<&'static Table> {
     let found = tables().find(|t| t.name == name);
     assert!(
@@ -93,7 +93,7 @@ pub(super) fn table(name: &str) -> Option<&'static Table> {
     found
 }
 
-/// Declares a table of the format: a struct that is read by serde, its fields the keys, their comments the meanings.
+/// Declares a table of the format: a struct for serde, whose fields are the keys and whose comments are their meanings.
 macro_rules! keys {
     ($(
         $(#[$outer:meta])*
@@ -109,7 +109,7 @@ macro_rules! keys {
         }
 
         impl $name {
-            /// Keys and meanings.
+            /// The keys of the table with their meanings.
             pub(crate) const TABLE: $crate::scene_file::reading::keys::Table =
                 $crate::scene_file::reading::keys::Table {
                     name: stringify!($name),

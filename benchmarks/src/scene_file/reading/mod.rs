@@ -1,18 +1,18 @@
-//! TOML into types by serde, with refusals that say line, cause and way out.
+//! Deserialisation of TOML by serde, with errors that name line, cause and help.
 //!
 //! | module | owns |
 //! |---|---|
-//! | `deserializer` | what serde asks a value for, and the enumerations of the format |
-//! | `node` | a value with its place, refusals of what is found there |
-//! | [`flaw`] | what serde finds wrong, before it has a place |
-//! | [`keys`] | tables of the format as structs, whose comments are the meanings that refusals show; renamed keys |
-//! | [`values`] | numbers with limits, words that a scene chooses itself |
-//! | `place` | where everything stands, for what is wrong with several values together |
-//! | `suggest` | "did you mean", units |
+//! | `deserializer` | serde access to values, and the enumerations of the format |
+//! | `node` | a value with its place, and errors about it |
+//! | [`flaw`] | errors of serde before they have a place |
+//! | [`keys`] | tables of the format as structs, whose comments are the meanings of keys in errors |
+//! | [`values`] | numbers with limits, names that a scene defines |
+//! | `place` | places of all values, for errors that concern several values |
+//! | `suggest` | suggestions for unknown keys and other units |
 //!
-//! A table of the format is a struct in `keys!`; its doc comments are the meanings of the keys. What one value says
-//! wrong is refused while it is read, by the types of `values`; what several say wrong together by
-//! [`Place::refuse`] after that.
+//! A table of the format is a struct in `keys!`; its doc comments are the meanings of the keys. Errors of a single
+//! value are found while it is read, by the types of `values`; contradictions between values are refused later, by
+//! [`Place::refuse`].
 
 mod deserializer;
 mod flaw;

@@ -1,4 +1,4 @@
-//! A TOML value with its place, and refusals of what is found there.
+//! A TOML value with its place, and errors about it.
 
 use super::super::error::{SceneError, Source};
 use super::flaw::Flaw;
@@ -8,11 +8,11 @@ use std::ops::Range;
 use toml::Spanned;
 use toml::de::DeValue;
 
-/// What values are read against.
+/// The source and the names that values of the file may refer to.
 #[derive(Debug)]
 pub(super) struct Context<'d> {
     pub(super) source: &'d Source,
-    /// Words that are known, by the name of the newtype that takes them.
+    /// Valid names, by the newtype that reads them.
     pub(super) known: Vec<(&'static str, Vec<String>)>,
 }
 
@@ -23,7 +23,7 @@ impl Context<'_> {
     }
 }
 
-/// A value, the key that leads to it, and where it stands.
+/// A value with its key and its place in the file.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Node<'d> {
     pub(super) context: &'d Context<'d>,
@@ -31,15 +31,15 @@ pub(super) struct Node<'d> {
     pub(super) meaning: &'static str,
     pub(super) value: &'d DeValue<'d>,
     pub(super) at: (usize, usize),
-    /// Member of a list, which has no key of its own.
+    /// True for a member of a list, which has no key of its own.
     pub(super) member: bool,
-    /// Key that has been read already: the tag of an enumeration.
+    /// Key that was read already: the tag of an enumeration.
     pub(super) tag: Option<&'static str>,
     pub(super) distinct: bool,
 }
 
 impl<'d> Node<'d> {
-    /// The whole document.
+    /// The node of the whole document.
     pub(super) fn root(context: &'d Context<'d>, value: &'d DeValue<'d>) -> Self {
         Node {
             context,
@@ -83,7 +83,7 @@ impl<'d> Node<'d> {
         Err(Flaw::Placed(self.error(message, label, help)))
     }
 
-    /// The meaning of the key, as a way out.
+    /// The help for a value: the meaning of its key.
     pub(super) fn help(&self) -> String {
         match self.meaning {
             "" => String::new(),
@@ -91,7 +91,7 @@ impl<'d> Node<'d> {
         }
     }
 
-    /// How a table is called: by its header, else by its key.
+    /// Name of a table in errors: its header, else its key.
     pub(super) fn called(&self) -> String {
         let text = self.context.source.text();
         let header = text.get(self.at.0..self.at.1).unwrap_or_default();
@@ -102,7 +102,7 @@ impl<'d> Node<'d> {
         }
     }
 
-    /// Gives a flaw of this value its place.
+    /// Adds the place of this value to an error.
     pub(super) fn place(&self, flaw: Flaw) -> SceneError {
         match flaw {
             Flaw::Placed(e) => e,
@@ -137,7 +137,7 @@ impl<'d> Node<'d> {
         )
     }
 
-    /// A key that this table does not have.
+    /// The error for an unknown key of this table.
     pub(super) fn unknown_key(
         &self,
         entry: &Node<'_>,
@@ -188,7 +188,7 @@ impl<'d> Node<'d> {
         }
     }
 
-    /// Entries of a table in the order of the file, the tag left out.
+    /// Entries of a table in the order of the file, without the tag.
     pub(super) fn entries(&self) -> Result<Vec<Node<'d>>, Flaw> {
         let DeValue::Table(table) = self.value else {
             return self.expected("a table");
@@ -210,7 +210,7 @@ impl<'d> Node<'d> {
             .collect())
     }
 
-    /// The value of an entry, which [`Node::entries`] leaves at the place of its key.
+    /// The value of an entry; [`Node::entries`] returns entries with the place of their key.
     pub(super) fn value_of(&self, entry: Node<'d>) -> Node<'d> {
         match self.value {
             DeValue::Table(table) => table.get(entry.key).map_or(entry, |v| entry.of(v)),
@@ -219,7 +219,7 @@ impl<'d> Node<'d> {
     }
 }
 
-/// A finite number.
+/// Parses a finite number.
 pub(super) fn finite(value: &DeValue<'_>) -> Option<f64> {
     let x = match value {
         DeValue::Integer(i) => i64::from_str_radix(i.as_str(), i.radix()).ok()? as f64,
@@ -229,7 +229,7 @@ pub(super) fn finite(value: &DeValue<'_>) -> Option<f64> {
     x.is_finite().then_some(x)
 }
 
-/// A value in words.
+/// Describes a value by its type.
 fn found(value: &DeValue<'_>) -> String {
     match value {
         DeValue::String(s) => format!("the text \"{}\"", s.chars().take(40).collect::<String>()),

@@ -1,4 +1,4 @@
-//! Where everything stands in a file, for refusals that are about several values together.
+//! Places of values in a file, for errors that concern several values.
 
 use super::super::error::{SceneError, Source};
 use super::keys::Table;
@@ -9,7 +9,7 @@ use std::ops::Range;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-/// A file: its text, and where its values stand by path, such as `meshes[0].start.gap_m`; those of numbers too.
+/// A parsed file: text, places of all values by path, such as `meshes[0].start.gap_m`, and all numbers.
 #[derive(Clone, Debug)]
 pub(crate) struct Document {
     source: Source,
@@ -25,11 +25,11 @@ pub(crate) struct Place<'d> {
 }
 
 impl Document {
-    /// Parses a text and reads it as a type. `known` gives the words that the text itself introduces, by the name of
-    /// the newtype that takes them.
+    /// Parses a text into a type. `known` contains the names that the text itself defines, by the newtype that reads
+    /// them.
     ///
     /// # Errors
-    /// [`SceneError`] with line and a way out.
+    /// [`SceneError`] with line and help.
     pub(crate) fn read<T: for<'d> Deserialize<'d>>(
         name: &str,
         text: &str,
@@ -57,12 +57,12 @@ impl Document {
         Ok((document, read))
     }
 
-    /// The number at a path.
+    /// Returns the number at a path.
     pub(in super::super) fn number(&self, path: &str) -> Option<f64> {
         self.numbers.get(path).copied()
     }
 
-    /// All numbers by their paths.
+    /// Iterates over all numbers with their paths.
     pub(in super::super) fn numbers(&self) -> impl Iterator<Item = (&str, f64)> {
         self.numbers.iter().map(|(path, x)| (path.as_str(), *x))
     }
@@ -71,7 +71,7 @@ impl Document {
         self.source.text()
     }
 
-    /// The place of a path.
+    /// Returns the place of a path.
     pub(crate) fn at(&self, path: impl Into<String>) -> Place<'_> {
         Place {
             document: self,
@@ -80,7 +80,7 @@ impl Document {
     }
 }
 
-/// An error of the TOML syntax.
+/// Converts an error of the TOML syntax.
 fn syntax(source: &Source, e: &toml::de::Error) -> SceneError {
     let message = e.message().trim().replace('\n', "; ");
     let help = "write `key = value` in a line, `[name]` at the start of a table, text in quotes, and each name once \
@@ -89,7 +89,7 @@ fn syntax(source: &Source, e: &toml::de::Error) -> SceneError {
     source.error(span, format!("not TOML: {message}"), "here", help)
 }
 
-/// Key and value of every entry, every member of a list.
+/// Indexes the entries of tables and the members of lists.
 fn index(
     value: &DeValue<'_>,
     path: &str,
@@ -130,18 +130,18 @@ impl<'d> Place<'d> {
         self.document.at("")
     }
 
-    /// The place of a path of the document.
+    /// The place of a path of the document, relative to its root.
     pub(crate) fn at(&self, path: &str) -> Place<'d> {
         self.document.at(path)
     }
 
-    /// The place of one of its keys.
+    /// The place of a key of this table.
     pub(crate) fn key(&self, key: &str) -> Place<'d> {
         let dot = if self.path.is_empty() { "" } else { "." };
         self.document.at(format!("{}{dot}{key}", self.path))
     }
 
-    /// The place of one of its members.
+    /// The place of a member of this list.
     pub(crate) fn member(&self, index: usize) -> Place<'d> {
         self.document.at(format!("{}[{index}]", self.path))
     }
@@ -151,12 +151,12 @@ impl<'d> Place<'d> {
         self.document.source.name()
     }
 
-    /// As a header of the file, such as `[gears.pinion]`.
+    /// Formats the place as a table header, such as `[gears.pinion]`.
     pub(crate) fn header(&self) -> String {
         format!("[{}]", self.path)
     }
 
-    /// Whether it is in the file.
+    /// True if the file contains this place.
     pub(crate) fn exists(&self) -> bool {
         self.document.spans.contains_key(&self.path)
     }
@@ -165,7 +165,7 @@ impl<'d> Place<'d> {
         self.key(key).exists()
     }
 
-    /// The first of several keys that is in the file, else the place itself.
+    /// Returns the place of the first of several keys that is in the file, else the table itself.
     pub(crate) fn first(&self, keys: &[&str]) -> Place<'d> {
         let mut keys = keys.iter().map(|k| self.key(k));
         keys.find(Place::exists).unwrap_or_else(|| self.clone())
@@ -179,7 +179,7 @@ impl<'d> Place<'d> {
             .unwrap_or_default()
     }
 
-    /// An error here: what is wrong, what the label says, the way out.
+    /// Creates an error at this place, with message, label and help.
     pub(crate) fn error(
         &self,
         message: impl Into<String>,
@@ -190,7 +190,7 @@ impl<'d> Place<'d> {
         source.error(self.span(), message, label, help)
     }
 
-    /// As [`Place::error`], for a result.
+    /// Returns [`Place::error`] as a result.
     pub(crate) fn refuse<T>(
         &self,
         message: impl Into<String>,
@@ -200,14 +200,14 @@ impl<'d> Place<'d> {
         Err(self.error(message, label, help))
     }
 
-    /// The error of a key that must be there and is not.
+    /// The error for a required key that is missing.
     pub(crate) fn missing(&self, key: &str, table: &Table) -> SceneError {
         let meaning = table.meaning(key);
         let message = format!("`{key}` is missing in {}", self.header());
         self.error(message, "here", format!("add `{key}`: {meaning}"))
     }
 
-    /// An error about two places that do not go together.
+    /// Creates an error about two places that contradict each other.
     pub(crate) fn against(
         &self,
         (other, other_label): (&Place<'_>, &str),

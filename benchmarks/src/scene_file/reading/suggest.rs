@@ -1,9 +1,9 @@
-//! "Did you mean": nearest known word, and keys whose unit is not the one of the scene format.
+//! Suggestions for unknown keys: nearest known word, renamed keys, and keys with another unit.
 
-/// Keys of earlier versions and what they are called now, for the tables that have the new key.
+/// Keys of earlier versions with their present names.
 const RENAMED: &[(&str, &str)] = &[("coast", "free_flight"), ("sleep", "vibration_cut_off")];
 
-/// Units that people write, what the format takes instead, and the factor between them.
+/// Suffixes of other units, the suffix of the format, and the factor between them.
 const UNITS: &[(&str, &str, f64)] = &[
     ("mm", "m", 1e-3),
     ("um", "m", 1e-6),
@@ -37,15 +37,15 @@ const UNITS: &[(&str, &str, f64)] = &[
     ("nm_per_rad_s", "nms_per_rad", 1.0),
 ];
 
-/// A quantity under another name than that of the format.
+/// A quantity under a name that is not a key of the format.
 struct Alias {
-    /// Names that people write.
+    /// Alternative names of the quantity.
     names: &'static [&'static str],
-    /// Keys that a table has where the name means this.
+    /// Keys that identify the table in which the name has this meaning.
     of: &'static [&'static str],
-    /// What to write, `#` in the place of the number.
+    /// The suggested text, with `#` in the place of the number.
     write: &'static str,
-    /// The number over the one that was written.
+    /// Factor from the given value to the value of the key.
     factor: f64,
 }
 
@@ -63,7 +63,7 @@ const fn alias(
     }
 }
 
-/// Other names of quantities, each with the keys that only the table has which the name is meant for.
+/// Alternative names of quantities, each with the keys that identify its table.
 #[rustfmt::skip]
 const ALIASES: &[Alias] = &[
     alias(&["torque_nm", "moment_nm", "load_nm"], &["loads", "speed_rad_s"], "loads = [{ torque_nm = # }]", 1.0),
@@ -93,7 +93,7 @@ const ALIASES: &[Alias] = &[
     alias(&["rho_kg_m3"], &["density_kg_m3"], "density_kg_m3 = #", 1.0),
 ];
 
-/// What to write for a name that is not the format's own, perhaps in another unit.
+/// The suggested text for a name that is not a key of the format, with the value converted from another unit.
 fn other_name(unknown: &str, value: Option<f64>, known: &[&str]) -> Option<String> {
     let factor = |name: &'static str| match name == unknown {
         true => Some(1.0),
@@ -108,13 +108,13 @@ fn other_name(unknown: &str, value: Option<f64>, known: &[&str]) -> Option<Strin
     Some(alias.write.replace('#', &number))
 }
 
-/// A number without the binary digits that a change of unit leaves behind.
+/// Rounds a number to remove rounding errors of a change of unit.
 fn number(x: f64) -> String {
     let short = format!("{x:.12e}").parse::<f64>();
     format!("{}", short.unwrap_or(x))
 }
 
-/// What gearbench does not do: beginnings of the keys that ask for it, and what to know. docs/limits.md says more.
+/// Unsupported features: beginnings of the keys that ask for them, and the advice. `docs/limits.md` has the details.
 const NOT_DONE: &[(&[&str], &str)] = &[
     (
         &["planet", "carrier", "sun", "annulus"],
@@ -153,14 +153,14 @@ const NOT_DONE: &[(&[&str], &str)] = &[
     ),
 ];
 
-/// What is not done, where a key asks for it.
+/// The advice on an unsupported feature, where a key asks for one.
 fn not_done(unknown: &str) -> Option<&'static str> {
     let asked = unknown.to_lowercase();
     let asks = |words: &&(&[&str], &str)| words.0.iter().any(|w| asked.starts_with(w));
     NOT_DONE.iter().find(asks).map(|(_, why)| *why)
 }
 
-/// Known key for an unknown one that differs in its unit only, with the factor to the known unit.
+/// Known key that differs from an unknown one in its unit only, with the factor to the known unit.
 fn other_unit<'k>(unknown: &str, known: &[&'k str]) -> Option<(&'k str, f64)> {
     for &key in known {
         for (from, to, factor) in UNITS {
@@ -174,7 +174,7 @@ fn other_unit<'k>(unknown: &str, known: &[&'k str]) -> Option<(&'k str, f64)> {
     None
 }
 
-/// Known key for an unknown one that lacks the unit: `module` for `module_m`.
+/// Known key for an unknown one without unit: `module_m` for `module`.
 fn without_unit<'k>(unknown: &str, known: &[&'k str]) -> Option<&'k str> {
     let mut found = known.iter().filter(|k| {
         k.strip_prefix(unknown).is_some_and(|rest| {
@@ -188,10 +188,10 @@ fn without_unit<'k>(unknown: &str, known: &[&'k str]) -> Option<&'k str> {
     }
 }
 
-/// Words longer than any key are near to none.
+/// Length of words above which no similar word is searched.
 const LONGEST: usize = 64;
 
-/// The known word that is nearest to an unknown one, if any is near.
+/// The known word nearest to an unknown one, if one is similar.
 fn nearest<'k>(unknown: &str, known: &[&'k str]) -> Option<&'k str> {
     known
         .iter()
@@ -205,12 +205,12 @@ fn nearest<'k>(unknown: &str, known: &[&'k str]) -> Option<&'k str> {
         .map(|(_, k)| k)
 }
 
-/// "did you mean" with the nearest known word, if any is near.
+/// Text "did you mean" with the nearest known word, if one is similar.
 pub(crate) fn did_you_mean(unknown: &str, known: &[&str]) -> String {
     nearest(unknown, known).map_or(String::new(), |n| format!("did you mean `{n}`? "))
 }
 
-/// The nearest known word, if any is near, and all of them.
+/// Text with the nearest known word, if one is similar, and all known words.
 pub(in super::super) fn there_are<K: AsRef<str>>(unknown: &str, known: &[K]) -> String {
     let known: Vec<&str> = known.iter().map(AsRef::as_ref).collect();
     format!(
@@ -220,7 +220,7 @@ pub(in super::super) fn there_are<K: AsRef<str>>(unknown: &str, known: &[K]) -> 
     )
 }
 
-/// Words in a sentence: `a`, `b` or `c`.
+/// Joins words in a sentence: `a`, `b` or `c`.
 pub(in super::super) fn words<K: AsRef<str>>(known: &[K]) -> String {
     listed(known, "or")
 }
@@ -234,7 +234,7 @@ fn listed<K: AsRef<str>>(known: &[K], joined: &str) -> String {
     }
 }
 
-/// What to write in place of an unknown key with a value, if that is a number.
+/// The help for an unknown key: a similar key, or the key with the converted number.
 pub(in super::super) fn help_for(
     unknown: &str,
     value: Option<f64>,
@@ -275,7 +275,7 @@ pub(in super::super) fn help_for(
 mod tests {
     use super::*;
 
-    /// What refusals point to is there, with all that they name.
+    /// The page of limits contains everything that refusals refer to.
     #[test]
     fn the_page_of_limits_has_what_is_refused() {
         let page = include_str!("../../../../docs/limits.md").to_lowercase();
@@ -349,7 +349,7 @@ mod tests {
         assert!(help("torque_nm", 5.0, &rack).starts_with("known are"));
     }
 
-    /// A name for a quantity is never the name of a key that the same table has.
+    /// No alternative name of a quantity is a key of the same table.
     #[test]
     fn other_names_are_no_keys() {
         use super::super::keys::tables;

@@ -1,4 +1,4 @@
-//! Values with limits, and words that the scene itself introduces.
+//! Values with limits, and names that the scene itself defines.
 
 use gearbench_integrators::spec::ids;
 use gearbench_integrators::{MethodError, MethodSpec};
@@ -34,13 +34,13 @@ macro_rules! limited {
 }
 
 limited! {
-    /// Above zero.
+    /// A number greater than zero.
     Positive, "more than 0", |x| x > 0.0;
-    /// Zero or above.
+    /// A number of zero or more.
     NotNegative, "zero or more", |x| x >= 0.0;
-    /// A part of a whole, such as a tolerance.
+    /// A share between 0 and 1, such as a tolerance.
     Share, "more than 0 and less than 1", |x| x > 0.0 && x < 1.0;
-    /// A ratio of steps.
+    /// A ratio of step sizes.
     Factor, "more than 0 and less than 1000000", |x| x > 0.0 && x < 1e6;
 }
 
@@ -55,7 +55,7 @@ impl From<f64> for Degrees {
     }
 }
 
-/// A whole number between two limits.
+/// An integer between two limits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Count<const LEAST: u32, const MOST: u32>(pub(crate) usize);
 
@@ -95,19 +95,19 @@ words_of_the_scene! {
     CalibrationName, "<calibration>";
 }
 
-/// A list in which nothing stands twice.
+/// A list without duplicates.
 #[derive(Clone, Debug, PartialEq, serde::Deserialize)]
 #[serde(rename = "<distinct>")]
 pub(crate) struct Distinct<T>(pub(crate) Vec<T>);
 
 impl Distinct<Label> {
-    /// The labels.
+    /// Converts the list to plain labels.
     pub(crate) fn labels(self) -> Vec<String> {
         self.0.into_iter().map(|l| l.0).collect()
     }
 }
 
-/// One, or a list.
+/// One value, or a list of values.
 #[derive(Clone, Debug, serde::Deserialize)]
 pub(crate) enum OneOrMany<T> {
     #[serde(rename = "<table>")]
@@ -116,7 +116,7 @@ pub(crate) enum OneOrMany<T> {
     Many(Vec<T>),
 }
 
-/// A table whose names the user chooses, in the order of the file.
+/// A table with user-defined names, in the order of the file.
 #[derive(Clone, Debug)]
 pub(crate) struct InOrder<T>(pub(crate) Vec<(String, T)>);
 
@@ -184,8 +184,8 @@ macro_rules! metrics {
 }
 
 metrics! {
-    /// A metric, in messages by its key in the record; its name on the command line is read as well.
+    /// A metric; errors list the keys of records, and names of the command line are valid as well.
     MetricKey, |_| true, Metric::ALL.map(Metric::key).to_vec();
-    /// A relative error, in messages by its name on the command line; its key in the record is read as well.
+    /// A relative error; errors list the names of the command line, and keys of records are valid as well.
     MetricOption, Metric::is_error, Metric::ALL.into_iter().filter_map(Metric::option).collect();
 }

@@ -1,4 +1,4 @@
-//! Columns and units of a table by gear and mesh.
+//! Columns and units of a reference table by gear and mesh.
 
 use super::super::SceneError;
 use super::super::reading::Place;
@@ -46,7 +46,7 @@ keys! {
     }
 }
 
-/// One for all, or one for each name.
+/// One entry for all gears or meshes, or one for each name.
 #[derive(Clone, Debug, Deserialize)]
 pub(in super::super) enum OneOrNamed {
     #[serde(rename = "<text>")]
@@ -58,7 +58,7 @@ pub(in super::super) enum OneOrNamed {
 type Found = (Option<String>, Vec<(Quantity, String)>);
 type Kind = fn(usize) -> Quantity;
 
-/// Names of the meshes: both gears, joined as users join them.
+/// Index of a mesh by its name: the names of both gears, joined.
 fn mesh_of(spec: &SceneSpec, name: &str) -> Option<usize> {
     let named = |i: usize| spec.gears[i].name.as_str();
     spec.meshes.iter().position(|m| {
@@ -71,7 +71,7 @@ fn gear_of(spec: &SceneSpec, name: &str) -> Option<usize> {
     spec.gears.iter().position(|g| g.name == name)
 }
 
-/// The entries of a table by names, each the quantity of its gear or mesh.
+/// Reads entries by names; each is a quantity of its gear or mesh.
 fn by_name(
     list: &InOrder<String>,
     of: Kind,
@@ -100,7 +100,7 @@ fn meshes(spec: &SceneSpec) -> Vec<String> {
     names.map(|[a, b]| format!("{a}-{b}")).collect()
 }
 
-/// Column of time, and columns of quantities.
+/// Reads the column of time and the columns of quantities.
 pub(super) fn columns(
     keys: Option<&ColumnKeys>,
     spec: &SceneSpec,
@@ -143,7 +143,7 @@ pub(super) fn columns(
     Ok((keys.time.clone(), all))
 }
 
-/// Unit of time, and units of quantities, each of which has to be one.
+/// Reads the unit of time and the units of quantities.
 pub(super) fn units(
     keys: Option<&UnitKeys>,
     spec: &SceneSpec,

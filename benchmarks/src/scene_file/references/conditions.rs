@@ -1,4 +1,4 @@
-//! What differs from the scene where a reference was measured or computed, and the scene as of that reference.
+//! Conditions of a reference that differ from its scene, and the scene under these conditions.
 //!
 //! ```toml
 //! [[references]]
@@ -28,29 +28,29 @@ keys! {
     }
 }
 
-/// What differs at a gear.
+/// Conditions of one gear that differ from the scene.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ConditionsOfGear {
     /// Index of the gear.
     pub gear: usize,
-    /// Initial speed, or the constant speed of a driven one [rad/s], [m/s] of a rack.
+    /// Initial speed, or the constant speed of a driven gear [rad/s]; of a rack [m/s].
     pub speed: Option<f64>,
-    /// Constant torque in place of its loads [N m], force of a rack [N].
+    /// Constant torque in place of the loads of the gear [N m]; force of a rack [N].
     pub load: Option<f64>,
 }
 
-/// What differs from the scene; nothing does where all is `None`.
+/// Conditions of a reference that differ from the scene; `None` means equal to the scene.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ReferenceConditions {
     /// Simulated time [s].
     pub duration: Option<f64>,
     /// Gap at the start of the first mesh [m].
     pub gap: Option<f64>,
-    /// Path coordinate at its start [m].
+    /// Path coordinate at the start of the first mesh [m].
     pub path_coordinate: Option<f64>,
     /// Centre distance of the only mesh [m].
     pub centre_distance: Option<f64>,
-    /// What differs at gears, by their order.
+    /// Differing conditions of gears, in the order of the gears.
     pub gears: Vec<ConditionsOfGear>,
 }
 
@@ -110,14 +110,14 @@ pub(super) fn read(
     }
 }
 
-/// The key at fault, why, a way out.
+/// Key with the error, message and help.
 pub type Trouble = (String, String, String);
 
 impl ReferenceConditions {
-    /// Puts a scene under these conditions.
+    /// Applies the conditions to a scene.
     ///
     /// # Errors
-    /// The key that cannot be met, why, and a way out.
+    /// The key that cannot be fulfilled, the reason and help.
     pub fn apply(&self, spec: &mut SceneSpec) -> Result<(), Trouble> {
         for own in &self.gears {
             let Some(gear) = spec.gears.get_mut(own.gear) else {
@@ -214,7 +214,7 @@ impl ReferenceConditions {
         Ok(())
     }
 
-    /// The same as keys of a reference in a scene file, a line each.
+    /// The conditions as lines of a reference in a scene file.
     pub fn lines(&self, spec: &SceneSpec) -> Vec<String> {
         let mut lines = Vec::new();
         let mut add = |key: &str, x: Option<f64>| {
@@ -239,8 +239,8 @@ impl ReferenceConditions {
     }
 }
 
-/// What a run of a scene is of, by the keys of a scene: what `gearbench reference` states in its file, and what a scene is
-/// held against.
+/// The conditions of a run by the keys of a scene: `gearbench reference` writes them to its file, and they are compared
+/// with the scene when that file is read.
 pub fn stated(spec: &SceneSpec) -> Vec<(String, f64)> {
     let mut all = Vec::new();
     for g in &spec.gears {
@@ -297,7 +297,7 @@ pub fn stated(spec: &SceneSpec) -> Vec<(String, f64)> {
 }
 
 impl SceneFile {
-    /// The scene under other conditions.
+    /// Returns the scene under other conditions.
     ///
     /// # Errors
     /// As [`ReferenceConditions::apply`].

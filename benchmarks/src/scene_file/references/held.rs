@@ -1,4 +1,4 @@
-//! The data of references, and what they state of themselves against the scene.
+//! Data of references, and comparison of their stated conditions with the scene.
 
 use super::super::{SceneError, SceneFile, tables};
 use super::conditions::stated;
@@ -9,27 +9,27 @@ use gearbench_reports::Metric;
 use gearbench_reports::numbers::short;
 use std::path::Path;
 
-/// Size of a table that is read at most [bytes].
+/// Largest size of a table [bytes].
 const LARGEST: u64 = 1 << 30;
-/// Relative deviation of a condition that is still the same one.
+/// Relative deviation below which a condition counts as equal.
 const SAME: f64 = 1e-4;
 
 /// A reference with its data.
 #[derive(Clone, Debug)]
 pub struct Held {
-    /// What the scene says of it.
+    /// The entry of the scene.
     pub named: NamedReference,
-    /// Its histories.
+    /// The histories of the reference.
     pub data: Reference,
-    /// The scene as of it: the same gears, models and studies at its speeds and loads, its distance, start and duration.
+    /// The scene under the conditions of the reference: speeds, loads, distance, start and duration.
     pub scene: SceneFile,
 }
 
 impl SceneFile {
-    /// All references of the scene with their data, in the order of the file: those of its own conditions and those of
-    /// others ([`NamedReference::is_of_the_scene`]). One that was not computed or measured with the gears, speeds and
-    /// loads of the scene (as of that reference) is refused, unless the user insists (`any`); then the difference is among what is odd
-    /// about the scene.
+    /// Reads all references of the scene, in the order of the file: those under its own conditions and those under
+    /// others ([`NamedReference::is_of_the_scene`]). A reference of other gears, speeds or loads than the scene has
+    /// under the conditions of that reference is refused, unless the user insists (`any`); then the difference becomes
+    /// a warning of the scene.
     ///
     /// # Errors
     /// [`SceneError`] at the line of the scene, or of the file with the data.
@@ -38,10 +38,10 @@ impl SceneFile {
         named.into_iter().map(|r| self.hold(r, any)).collect()
     }
 
-    /// The references that models of the scene are held against: those of its own conditions.
+    /// Reads the references under the conditions of the scene itself, with which its models are compared.
     ///
     /// # Errors
-    /// As [`SceneFile::held`]; those of other conditions are not read.
+    /// As [`SceneFile::held`]; references under other conditions are not read.
     pub fn held_of_the_scene(&mut self, any: bool) -> Result<Vec<Reference>, SceneError> {
         let own = |r: &&NamedReference| r.is_of_the_scene();
         let named: Vec<_> = self.references.iter().filter(own).cloned().collect();
@@ -129,7 +129,7 @@ impl SceneFile {
         ))
     }
 
-    /// Refuses a tolerance in a metric of what its reference does not have.
+    /// Refuses a tolerance in a metric that its reference cannot provide.
     fn can_be_told(&self, data: &Reference) -> Result<(), SceneError> {
         let Some(tolerance) = self.tolerance.as_ref().filter(|t| t.against == data.id) else {
             return Ok(());
@@ -185,7 +185,7 @@ impl SceneFile {
         )
     }
 
-    /// The data of a table.
+    /// Reads the data of a table.
     fn table(
         &self,
         named: &NamedReference,
@@ -223,7 +223,7 @@ impl SceneFile {
         Ok(data)
     }
 
-    /// What the data state of themselves and the scene has otherwise.
+    /// Returns the conditions stated in the data that differ from the scene.
     fn differs_from_stated(&self, of: &[(String, f64)]) -> Vec<String> {
         let own = stated(&self.spec);
         let differs = |(key, theirs): &(String, f64)| {
@@ -237,7 +237,7 @@ impl SceneFile {
 }
 
 impl Held {
-    /// Whether constants are fitted to it, or it is held out.
+    /// True if the reference is held out from fits and serves for validation only.
     pub fn is_held_out(&self) -> bool {
         self.named.role == Role::Validate
     }

@@ -1,15 +1,15 @@
-//! `reference = ..` and `[[references]]`: what the models of a scene are held against, and fitted to.
+//! The keys `reference` and `[[references]]`: data that the models of a scene are compared with, and fitted to.
 //!
 //! | module | owns |
 //! |---|---|
 //! | `columns` | columns and units of a table by gear and mesh |
-//! | [`conditions`] | what differs from the scene: a scene as of a reference |
-//! | [`held`] | the data of references, and what they state of themselves against the scene |
-//! | `stored` | a stored reference against the gears of the scene |
-//! | `table` | how a table is read, and what its columns may be of |
+//! | [`conditions`] | conditions that differ from the scene, and the scene under them |
+//! | [`held`] | data of references, and their stated conditions compared with the scene |
+//! | `stored` | a stored reference compared with the gears of the scene |
+//! | `table` | reading of tables, and the quantities of their columns |
 //!
-//! A reference of the scene's own conditions is what studies hold models against; one of other conditions (speeds, loads,
-//! distances) serves identification, with the scene [`SceneFile::under`] it.
+//! A reference under the conditions of the scene serves studies for comparison; one under other conditions (speeds,
+//! loads, distances) serves identification, with the scene under these conditions ([`SceneFile::with`]).
 
 pub(super) mod columns;
 pub mod conditions;
@@ -88,7 +88,7 @@ keys! {
     }
 }
 
-/// One reference in short, or its table.
+/// A reference by name or file, or by its table of keys.
 #[derive(Clone, Debug, Deserialize)]
 pub(super) enum ReferenceChoice {
     #[serde(rename = "<text>")]
@@ -119,54 +119,54 @@ enum DecimalWord {
     Comma,
 }
 
-/// What an identification does with a reference.
+/// Use of a reference in an identification.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Role {
-    /// Constants are fitted to it.
+    /// Constants are fitted to the reference.
     #[default]
     Fit,
-    /// It is held out: what is fitted to others is held against it.
+    /// The reference is held out and serves to validate constants fitted to others.
     Validate,
 }
 
-/// Where the data of a reference are.
+/// Origin of the data of a reference.
 #[derive(Clone, Debug, PartialEq)]
 pub enum DataOrigin {
-    /// A stored reference, by its id.
+    /// A reference stored in the program, by its id.
     Stored(String),
-    /// A table of the user, or one that `gearbench reference` wrote.
+    /// A table of the user, or one written by `gearbench reference`.
     Csv {
-        /// The file.
+        /// Path of the table.
         path: PathBuf,
-        /// How it is read.
+        /// Columns, units and separators of the table.
         request: Box<Request>,
     },
 }
 
-/// A reference that a scene names.
+/// A reference of a scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NamedReference {
-    /// Its id in records, metrics and tolerances.
+    /// Id in records, metrics and tolerances.
     pub name: String,
-    /// Name for legends, where the scene gives one.
+    /// Name for legends, if the scene gives one.
     pub title: Option<String>,
-    /// Where the data come from, where the scene says so.
+    /// Source of the data, if the scene gives one.
     pub source: Option<String>,
-    /// Where the data are.
+    /// Origin of the data.
     pub origin: DataOrigin,
-    /// Own error of the reference, where the scene states it [-].
+    /// Error of the reference itself, if the scene gives it [-].
     pub own_error: Option<f64>,
-    /// What an identification does with it.
+    /// Use of the reference in an identification.
     pub role: Role,
-    /// What differs from the scene.
+    /// Conditions that differ from the scene.
     pub conditions: ReferenceConditions,
-    /// Where it stands in the scene file.
+    /// Path of the reference in the scene file.
     pub(super) at: String,
 }
 
 impl NamedReference {
-    /// The id of a stored reference.
+    /// The id of a stored reference; `None` for a table.
     pub fn stored(&self) -> Option<&str> {
         match &self.origin {
             DataOrigin::Stored(id) => Some(id),
@@ -174,7 +174,7 @@ impl NamedReference {
         }
     }
 
-    /// The file of a table.
+    /// The path of a table; `None` for a stored reference.
     pub fn file(&self) -> Option<&Path> {
         match &self.origin {
             DataOrigin::Stored(_) => None,
@@ -182,19 +182,19 @@ impl NamedReference {
         }
     }
 
-    /// Its place among `[[references]]`; `None` of `reference`.
+    /// Index among `[[references]]`; `None` for the key `reference`.
     pub fn index(&self) -> Option<usize> {
         let inner = self.at.strip_prefix("references[")?;
         inner.strip_suffix(']')?.parse().ok()
     }
 
-    /// Whether it is of the conditions of the scene itself.
+    /// True if the reference has the conditions of the scene itself.
     pub fn is_of_the_scene(&self) -> bool {
         self.conditions == ReferenceConditions::default()
     }
 }
 
-/// What references are read beside.
+/// Parts of the scene that its references are checked against.
 pub(super) struct Beside<'a> {
     pub spec: &'a SceneSpec,
     pub labels: &'a [&'a str],
@@ -202,7 +202,7 @@ pub(super) struct Beside<'a> {
     pub duration: f64,
 }
 
-/// Checks all references of a scene; their data are read when a study asks for them.
+/// Checks all references of a scene; their data are read when a study needs them.
 pub(super) fn references(
     one: Option<ReferenceChoice>,
     several: Vec<ReferenceKeys>,
@@ -242,7 +242,7 @@ pub(super) fn references(
     Ok(all)
 }
 
-/// A reference as one word: a file, or the id of a stored one.
+/// Reads a reference given as one word: a path, or the id of a stored one.
 fn short(text: String) -> ReferenceKeys {
     let is_file = Path::new(&text).extension().is_some_and(|e| {
         ["csv", "tsv", "txt", "dat"]
@@ -348,7 +348,7 @@ fn named(
     })
 }
 
-/// Paths count from the folder of the scene file, else from where the command runs.
+/// Path of a file relative to the folder of the scene file, else to the working folder.
 pub(super) fn located(file: &str, folder: Option<&Path>) -> PathBuf {
     let beside = folder.map(|folder| folder.join(file));
     match beside {
@@ -358,7 +358,7 @@ pub(super) fn located(file: &str, folder: Option<&Path>) -> PathBuf {
 }
 
 impl SceneFile {
-    /// The first reference of the conditions of the scene itself: what models are held against above all.
+    /// The first reference under the conditions of the scene itself, which is the main one for comparisons.
     pub fn reference(&self) -> Option<&NamedReference> {
         self.references.iter().find(|r| r.is_of_the_scene())
     }

@@ -1,5 +1,5 @@
-//! A stored reference against the gears of a scene: errors against a run of other gears, speeds or loads say nothing
-//! of a model.
+//! Comparison of a stored reference with the gears of a scene: errors against a run of other gears, speeds or loads
+//! have no meaning.
 
 use super::super::SceneFile;
 use gearbench_models::Vec3;
@@ -9,14 +9,14 @@ use gearbench_reference::{REFERENCES, reference};
 use gearbench_reports::numbers::{digits_apart, short};
 use nalgebra::Rotation3;
 
-/// Relative deviation of a length, angle or speed that is still the same one.
+/// Relative deviation of a length, angle or speed that counts as equal.
 const SAME: f64 = 1e-4;
-/// Relative deviation of an inertia: of the exact outline from that of a faceted mesh.
+/// Relative deviation of an inertia that counts as equal: the mesh of the reference is faceted.
 const SAME_INERTIA: f64 = 0.03;
-/// Angle between axes that are the same [rad].
+/// Largest angle between axes that count as parallel [rad].
 const SAME_TILT: f64 = 1e-5;
 
-/// A quantity that differs: its name, the scene's value and the reference's in a unit.
+/// Descriptions of the quantities that differ, with both values.
 struct Differs(Vec<String>);
 
 impl Differs {
@@ -37,7 +37,7 @@ impl Differs {
 }
 
 impl SceneFile {
-    /// The lines of a scene with each reference that is of its gears, speeds and loads; `None` where none is.
+    /// The lines of a scene for each stored reference that suits its gears, speeds and loads; `None` if none does.
     pub fn fitting(&self) -> Option<String> {
         let fits =
             |id: &&str| reference(id).is_ok_and(|r| self.differs_from(&r.parameters).is_empty());
@@ -46,7 +46,7 @@ impl SceneFile {
         (!lines.is_empty()).then(|| lines.join("` or `"))
     }
 
-    /// All in which the scene differs from what a reference was computed from.
+    /// Lists the quantities of the scene that differ from those of a reference.
     pub(super) fn differs_from(&self, of: &ImpactParameters) -> Vec<String> {
         let mut differs = Differs(Vec::new());
         let ([a, b], [mesh]) = (self.spec.gears.as_slice(), self.spec.meshes.as_slice()) else {
@@ -122,7 +122,7 @@ fn gear(g: &GearSpec, of: Option<&GearData>, whole: &ImpactParameters, differs: 
     }
 }
 
-/// What gears and racks have in common.
+/// Compares the parameters that gears and racks share.
 fn common(g: &GearSpec, of: &ImpactParameters, helix_deg: f64, differs: &mut Differs) {
     let (module, width, pressure, helix) = match &g.body {
         Body::Gear(x) => {

@@ -1,4 +1,4 @@
-//! How the table of a reference is read, and what its columns may be of.
+//! Reading of reference tables: columns, units and subjects.
 
 use super::super::SceneError;
 use super::super::reading::Place;
@@ -10,7 +10,7 @@ use gearbench_reference::data::{
     Delimiter, ForceKind, GearSubject, MeshSubject, Processing, Request, Subjects, Turning,
 };
 
-/// How the table of a reference is read.
+/// Builds the request by which a reference table is read.
 pub(super) fn request(
     keys: &ReferenceKeys,
     conditions: &ReferenceConditions,
@@ -54,7 +54,7 @@ pub(super) fn request(
     })
 }
 
-/// Gears and meshes of a scene, as far as columns are about them.
+/// Gears and meshes of a scene that columns can refer to.
 pub fn subjects(spec: &SceneSpec) -> Subjects {
     let mate = |gear: usize| {
         let other = spec.meshes.iter().find_map(|m| match m.gears {

@@ -5,7 +5,7 @@ use super::{BASE, SHIPPED_BEVELOID, parse, render};
 const WHEEL: &str = "mount = \"revolute\"\n";
 const PINION: &str = "speed_rad_s = 20.0\n";
 
-/// The base scene with keys for pinion and wheel, without what a tilted axis does not go with.
+/// The base scene with additional keys for pinion and wheel, without keys that tilted axes exclude.
 fn with(pinion: &str, wheel: &str) -> String {
     BASE.replace("reference = \"calculix/case-a-fine\"\n", "")
         .replace("tolerance = 0.05\n", "")
@@ -13,7 +13,7 @@ fn with(pinion: &str, wheel: &str) -> String {
         .replacen(WHEEL, &format!("{WHEEL}{wheel}\n"), 1)
 }
 
-/// The direction of an axis turned by an angle in degrees about x or about y.
+/// Direction of an axis rotated by an angle in degrees about x or y.
 fn axis(degrees: f64, about_x: bool) -> String {
     let (sin, cos) = degrees.to_radians().sin_cos();
     match about_x {
@@ -22,7 +22,7 @@ fn axis(degrees: f64, about_x: bool) -> String {
     }
 }
 
-/// A scene is read, or refused at a key for crossed axes.
+/// Checks that a scene is read, or refused at a key for crossed axes.
 fn check(text: &str, refused_at: Option<&str>) {
     let found = parse(text);
     match (found, refused_at) {

@@ -9,7 +9,7 @@ use gearbench_models::stiffness::{
     ToothModel,
 };
 
-/// The contact of a model of the base scene with a piece replaced; the model need not have flanks to touch with.
+/// The contact of a model of the base scene with a piece replaced; the model need not have contact points.
 fn contact(model: usize, from: &str, to: &str) -> ContactSpec {
     let text = changed(from, to);
     let scene = SceneFile::unbuilt("test.toml", &text, Origin::Shipped, true);

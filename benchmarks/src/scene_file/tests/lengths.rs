@@ -2,7 +2,7 @@
 
 use super::{changed, parse, render};
 
-/// The base scene with a change, where it is refused: the way out; else its warnings.
+/// The base scene with a change: the help if it is refused, else its warnings.
 fn remarks(from: &str, to: &str) -> String {
     match parse(&changed(from, to)) {
         Ok(scene) => scene.odd.iter().map(|odd| odd.told() + "\n").collect(),

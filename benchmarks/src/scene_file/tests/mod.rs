@@ -1,4 +1,4 @@
-//! Tests of the scene format: what is read, what is refused and in which words, what never panics.
+//! Tests of the scene format: accepted values, refusals with their messages, and robustness.
 
 mod axes;
 mod contacts;
@@ -21,7 +21,7 @@ use gearbench_models::geometry::Gear;
 use gearbench_models::spec::Body;
 use miette::{GraphicalReportHandler, GraphicalTheme};
 
-/// A small sound scene that the tests change.
+/// A small valid scene that the tests modify.
 const BASE: &str = r#"schema = 1
 name = "test"
 title = "A test"
@@ -60,10 +60,10 @@ parameters = { tooth_stiffness_n_per_m = 5.3e8, tooth_mass_kg = 4.8e-3 }
 integrators = [{ method = "dopri5", rtol = 1e-6 }, { method = "rk4", step_s = 1e-6 }]
 "#;
 
-/// Conical gears on axes that meet.
+/// Conical gears on intersecting axes.
 const SHIPPED_BEVELOID: &str = include_str!("../../../scenes/beveloid.toml");
 
-/// A set of maps of stability, to stand below the base scene.
+/// A set of maps of stability, to be appended to the base scene.
 const STABILITY: &str = r#"
 [[study.stability]]
 models = ["rigid"]
@@ -129,7 +129,7 @@ fn the_format_is_described() {
     assert_eq!(scene.models.len(), 1);
 }
 
-/// What a user sees, without colours and on wide lines.
+/// Renders an error as the user sees it, without colours and with wide lines.
 fn render(error: &SceneError) -> String {
     let mut text = String::new();
     GraphicalReportHandler::new_themed(GraphicalTheme::none())

@@ -1,10 +1,10 @@
-//! Speeds at the start and loads that do not suit the train, and scenes in which they do.
+//! Warnings on initial speeds and loads that do not suit the gear train, and scenes without warnings.
 
 use super::render;
 use crate::scene_file::{Origin, SceneFile};
 use gearbench_models::spec::Train;
 
-/// The scene without its models, which are no subject here.
+/// Reads a scene without its models, which are not tested here.
 fn read(text: &str) -> SceneFile {
     let scene = SceneFile::unbuilt("test.toml", text, Origin::Shipped, false);
     scene.unwrap_or_else(|e| panic!("{}", render(&e)))
@@ -15,7 +15,7 @@ fn warnings(text: &str) -> Vec<String> {
     scene.odd.iter().map(|odd| odd.told()).collect()
 }
 
-/// One warning with all the words.
+/// Checks that there is exactly one warning, with all these words.
 fn one(text: &str, words: &[&str]) {
     let found = warnings(text);
     assert_eq!(found.len(), 1, "{found:#?}\n{text}");
@@ -30,7 +30,7 @@ fn one(text: &str, words: &[&str]) {
 
 const TAIL: &str = "\n[[models]]\nmodel = \"rigid\"\ncontact = { stiffness = \"iso6336\" }\n";
 
-/// Two gears of 20 and 40 teeth, the wheel twice as large: what the pinion and the wheel have besides, and the start.
+/// Two gears with 20 and 40 teeth, with additional keys of pinion, wheel and start.
 fn pair(pinion: &str, wheel: &str, start: &str) -> String {
     format!(
         "schema = 1\nname = \"t\"\nduration_s = 1e-3\n\
@@ -119,7 +119,8 @@ fn gears_out_of_step_are_named_with_their_speed() {
     );
 }
 
-/// Without loads and drives nothing but an impact can happen, and a held wheel leaves no other motion: both are meant.
+/// There is no warning on an intended impact: without loads and drives only an impact can happen, and a held wheel
+/// allows no other motion.
 #[test]
 fn impacts_have_no_warning() {
     for (pinion, wheel) in [

@@ -1,12 +1,12 @@
-//! What is odd is said with its line and the unit that is probably meant, and nothing else is.
+//! Implausible values cause a warning with their line and the unit that is probably meant; plausible ones cause none.
 
 use super::super::SHIPPED;
 use super::{changed, parse, read, render};
 use crate::models::models;
 use gearbench_models::scene::Scene;
 
-/// What is said of the base scene with one piece of text replaced. Its wheel starts at rest under a load on the pinion,
-/// which is the subject of the tests of `motion`.
+/// Returns the warnings on the base scene with one piece of text replaced. Its wheel starts at rest under a load on the
+/// pinion, which is the subject of the tests of `motion`.
 fn said(from: &str, to: &str) -> Vec<String> {
     let all = read(from, to).odd;
     let all = all.iter().map(|odd| odd.told());
@@ -88,7 +88,7 @@ fn odd_values_are_said_with_the_unit_that_is_meant() {
     }
 }
 
-/// Millimetres all over: gears of 80 metres.
+/// A scene in millimetres has gears of 80 metres; the warnings say so.
 #[test]
 fn millimetres_are_said() {
     let metres = changed("duration_s = 1e-4", "duration_s = 1e-4");
@@ -112,8 +112,8 @@ fn nothing_of_the_shipped_scenes_is_odd() {
     }
 }
 
-/// The direction that the page about the format gives for racks: this one stands to the right of its gear, whose rim
-/// moves upwards there.
+/// Direction of a rack according to the page on the format: this rack is to the right of its gear, whose rim moves
+/// upwards there.
 #[test]
 fn a_rack_moves_as_the_rim_of_a_counter_clockwise_gear() {
     let rack = "kind = \"rack\"\nteeth = 30";

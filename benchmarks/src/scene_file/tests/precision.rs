@@ -1,4 +1,4 @@
-//! `[study] precision`: what is read.
+//! Reading of the table `[study] precision`.
 
 use super::{changed, parse};
 use gearbench_integrators::table::RK4;

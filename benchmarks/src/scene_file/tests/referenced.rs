@@ -1,4 +1,4 @@
-//! References of scenes: what their tables say, and whether they are of the gears of the scene.
+//! References of scenes: their tables, and their agreement with the gears of the scene.
 
 use super::super::references::Role;
 use super::super::{Origin, SHIPPED, SceneError, SceneFile, load_unbuilt};
@@ -19,7 +19,7 @@ fn shipped_scenes_are_of_their_references() {
     assert_eq!(held, 6);
 }
 
-/// The impact with an inclined axis is of other gears, and so is that of spur gears.
+/// The impact with an inclined axis belongs to other gears, and so does that of spur gears.
 #[test]
 fn a_helical_scene_is_of_its_own_reference_alone() {
     let text = crate::scene_file::shipped::shipped("helical_impact")
@@ -86,7 +86,7 @@ fn a_reference_of_other_gears_is_refused_with_both_values() {
     );
 }
 
-/// Messages that suggest a reference suggest one that fits.
+/// Suggested references suit the scene.
 #[test]
 fn only_references_that_fit_are_suggested() {
     let scene = load_unbuilt("spur_impact").unwrap();
@@ -103,7 +103,7 @@ fn only_references_that_fit_are_suggested() {
 /// A table of the press.
 const PRESS: &str = "t [us];Fn [kN];n1 [1/min]\n0,0;0;190,9859317\n25,0;1,5;180\n50,0;0;170\n";
 
-/// A scene with references in place of that of the base scene, and a file beside it.
+/// A scene with references in place of that of the base scene, and a table next to it.
 fn beside(references: &str, table: &str) -> (TempDir, Result<SceneFile, SceneError>) {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("press.csv"), table).unwrap();
@@ -146,7 +146,7 @@ fn a_table_is_a_reference() {
     }
 }
 
-/// A force that points the other way is a reference that no model comes near: its sign is named.
+/// A negative contact force causes a warning on its sign.
 #[test]
 fn a_negative_force_is_warned_about() {
     let negative = "t [us];Fn [kN]\n0,0;0,1\n25,0;-1,5\n50,0;0\n";
@@ -164,7 +164,7 @@ fn a_negative_force_is_warned_about() {
     }
 }
 
-/// Further references may be of other conditions; the scene as of one of them has these and nothing else changed.
+/// Further references may have other conditions; the scene under the conditions of one has no other changes.
 #[test]
 fn a_scene_stands_under_its_references() {
     let several = "[[references]]\ncsv = \"press.csv\"\n[[references]]\nname = \"fast\"\ncsv = \"press.csv\"\nduration_s = 5e-5\ngap_m = 2e-6\ncentre_distance_m = 0.1002\ngears.pinion = { speed_rad_s = 60.0, torque_nm = 5.0 }\nrole = \"validate\"";
@@ -192,7 +192,7 @@ fn a_scene_stands_under_its_references() {
     assert_eq!(scene.held(false).unwrap().len(), 2);
 }
 
-/// What a table states of itself has to be so in the scene, as of that reference.
+/// Conditions that a table states must agree with the scene under the conditions of that reference.
 #[test]
 fn stated_conditions_are_held_against_the_scene() {
     let stating = format!("# gears.pinion.speed_rad_s = 60\n# gears.wheel.teeth = 30\n{PRESS}");
@@ -212,7 +212,7 @@ fn stated_conditions_are_held_against_the_scene() {
     assert_eq!(scene.unwrap().held(false).unwrap().len(), 1);
 }
 
-/// What is wrong with the keys is refused with the scene, at its line and with a way out.
+/// Wrong keys of a reference are refused with their line and a help.
 #[test]
 fn references_that_are_no_references_are_refused() {
     let one = |keys: &str| format!("reference = {{ csv = \"press.csv\", {keys} }}");
@@ -285,7 +285,7 @@ fn references_that_are_no_references_are_refused() {
     }
 }
 
-/// What is wrong with the file is refused at its own line and column, when a study asks for it.
+/// Errors in a table are refused with line and column of the table, when a study reads it.
 #[test]
 fn tables_that_are_none_are_refused_at_their_line() {
     for (table, words) in [

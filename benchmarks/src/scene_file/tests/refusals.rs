@@ -1,12 +1,12 @@
-//! Refusals of the file as such, of gears and of meshes: line, cause, what was expected, way out.
+//! Refusals of files, gears and meshes: line, cause, expected value, help.
 //!
-//! A row of a table is `LINE: OLD => NEW`, what is replaced in the base scene and the line that is to blame, several
-//! replacements between `&&`; below it stand words of the refusal between `|`.
+//! A row of a table is `LINE: OLD => NEW`, the replacement in the base scene and the line of the error, several
+//! replacements separated by `&&`; the next line has words of the error, separated by `|`.
 
 use super::{BASE, parse, render};
 use crate::scene_file::{Origin, SceneFile, Selection, load, load_uncalibrated};
 
-/// Holds every row of a table against what is said about the changed scene.
+/// Checks the errors of modified scenes against the rows of a table.
 pub(super) fn refused(base: &str, table: &str) {
     let mut failures = String::new();
     let mut rows = table
@@ -87,7 +87,7 @@ fn scenes_that_are_not_there() {
     );
 }
 
-/// A calibration that is not there is no matter for those who look for it.
+/// A missing calibration is no error where calibrations are optional.
 #[test]
 fn a_missing_calibration_can_be_left_out() {
     let wanted = "model = \"rigid\"\ncalibration = \"impact\"";

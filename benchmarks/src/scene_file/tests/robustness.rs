@@ -1,4 +1,4 @@
-//! Damaged scenes are refused or accepted, never a panic, and every refusal can be drawn.
+//! Damaged scenes are refused or accepted without a panic, and every error can be rendered.
 
 use super::{BASE, parse, render};
 use crate::scene_file::SHIPPED;
@@ -25,14 +25,14 @@ fn truncated_scenes() {
     }
 }
 
-/// What is put in place of others, between blanks.
+/// Text pieces that replace others, separated by blanks.
 const PIECES: &str = "\" [ ] { } = , nan -1 0 1e308 -1e-308 1e999 true [[ ]] é '' # . 0x7fffffffffffffff \
                       99999999999999999999 1979-05-27 [] {}";
 
-/// A value of every type.
+/// One value of every type.
 const VALUES: &str = "\"text\" | 3 | -3 | 0 | 0.5 | nan | 1e300 | 1e-300 | true | [] | [1] | {} | { a = 1 } | [{}] | [[]]";
 
-/// Replaces, deletes and doubles pieces at places chosen by a fixed linear congruential generator.
+/// Replaces, deletes and duplicates pieces at places chosen by a linear congruential generator with fixed seed.
 #[test]
 fn mutated_scenes() {
     let mut pieces = vec!["", "\n", "\u{0}"];
@@ -61,7 +61,7 @@ fn mutated_scenes() {
     }
 }
 
-/// Every value of the scene replaced by one of every type.
+/// Replaces every value of the scene by a value of every type.
 #[test]
 fn every_value_of_every_type() {
     let lines: Vec<&str> = BASE.lines().collect();

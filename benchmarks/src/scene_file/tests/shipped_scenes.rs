@@ -29,7 +29,7 @@ fn all_load_and_are_described() {
     }
 }
 
-/// Scenes of examples, benches and tests are read as well.
+/// All scenes of examples, benches and tests can be read.
 #[test]
 fn all_scenes_of_the_repository_are_read() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
@@ -52,7 +52,7 @@ fn all_scenes_of_the_repository_are_read() {
     assert!(read >= 8, "{read}");
 }
 
-/// Four explicit and four implicit methods in every impact scene.
+/// Every impact scene has four explicit and four implicit methods.
 #[test]
 fn enough_methods() {
     for name in ["spur_impact", "spur_impact_large"] {
@@ -190,7 +190,7 @@ fn the_hammering_pair_starts_in_the_middle_of_its_backlash() {
     assert_eq!(scene.spec.meshes[0].start.gap, 50e-6);
 }
 
-/// Nothing but impacts makes a force in Example 1 of Ebrahimi and Eberhard, and its teeth have the published stiffnesses.
+/// Example 1 of Ebrahimi and Eberhard has no forces but impacts, and its teeth have the published stiffnesses.
 #[test]
 fn the_rotating_pair_is_free_and_has_the_published_stiffnesses() {
     let scene = load("spur_rotation").unwrap();

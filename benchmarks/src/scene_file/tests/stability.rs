@@ -1,4 +1,4 @@
-//! `[study] stability`: what is read.
+//! Reading of the table `[study] stability`.
 
 use super::{BASE, STABILITY, parse, read, render};
 use crate::studies::stability::axis::Axis;

@@ -1,4 +1,4 @@
-//! What is read arrives as it was written.
+//! Values of a scene file arrive in the scene unchanged.
 
 use super::{BASE, changed, parse, read, render, toothing_of};
 use crate::scene_file::{Selection, load, load_uncalibrated};

@@ -1,4 +1,4 @@
-//! `gearbench mesh SCENE|DECK`: meshes of gears, their quality, decks and files for ParaView.
+//! The command `gearbench mesh SCENE|DECK`: meshes of gears, their quality, decks and files for ParaView.
 
 pub mod arguments;
 
@@ -19,20 +19,20 @@ use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-/// What decks and files for ParaView of this command have in them: the command of a deck, a comment in the other.
+/// Text that marks the files of this command: the command line in a deck, a comment in a file for ParaView.
 const MARK: &str = "gearbench mesh";
 
-/// A gear on its way to its files.
+/// A gear with its mesh, before it is written.
 struct Meshed {
     name: String,
     material: Material,
     mesh: GearMesh,
-    /// Time to make or read it [s].
+    /// Time to generate or read the mesh [s].
     seconds: f64,
 }
 
 impl Meshed {
-    /// What the table says, for programs.
+    /// The row of the table of meshes as JSON.
     fn told(&self) -> Value {
         let (m, q) = (&self.mesh.mesh, mesh::quality(&self.mesh.mesh));
         json!({
@@ -50,7 +50,7 @@ impl Meshed {
     }
 }
 
-/// Meshes the gears, prints what came out and writes what was asked for.
+/// Meshes the gears, prints the mesh quality and writes the requested files.
 pub fn run(args: &Arguments, command: &str) -> Result<Answer, Refusal> {
     for (option, path, ending) in [("--out", &args.out, "inp"), ("--vtu", &args.vtu, "vtu")] {
         ends_in(option, path.as_deref(), ending)?;
@@ -91,7 +91,7 @@ pub fn run(args: &Arguments, command: &str) -> Result<Answer, Refusal> {
     Ok(Answer::done().with("gears", gears).with("written", written))
 }
 
-/// Other programs know a file by its ending.
+/// Checks the extension of a file, by which other programs recognise its format.
 fn ends_in(option: &str, path: Option<&Path>, ending: &str) -> Result<(), Refusal> {
     let fits = |p: &Path| {
         p.extension()
@@ -107,7 +107,7 @@ fn ends_in(option: &str, path: Option<&Path>, ending: &str) -> Result<(), Refusa
     }
 }
 
-/// Files that are read for an input: a deck, or a scene with all that it names.
+/// Files read for an input: a deck, or a scene with all files that it names.
 pub(super) fn inputs_of(input: &str) -> Result<Vec<PathBuf>, Refusal> {
     Ok(match is_deck(input) {
         true => vec![input.into()],
@@ -121,7 +121,7 @@ pub(super) fn is_deck(input: &str) -> bool {
     ends.iter().any(|end| name.ends_with(end))
 }
 
-/// `F.inp` of one gear among several is `F-NAME.inp`.
+/// The path with the name of the gear: `F.inp` becomes `F-NAME.inp` where there are several gears.
 pub(super) fn named(path: &Path, gear: Option<&str>) -> PathBuf {
     let Some(gear) = gear else {
         return path.to_owned();
@@ -134,7 +134,7 @@ pub(super) fn named(path: &Path, gear: Option<&str>) -> PathBuf {
     path.with_file_name(name)
 }
 
-/// Those with the name that was asked for.
+/// Returns the members of a list with the requested name, or all without one.
 pub(super) fn chosen<T>(
     all: Vec<T>,
     wanted: Option<&str>,
@@ -267,7 +267,7 @@ fn params(args: &Arguments) -> Result<GearMeshParams, Refusal> {
     Ok(p)
 }
 
-/// The refusal of a mesh, with the option or the line of the scene that helps.
+/// The refusal of a mesh, with the option or the line of the scene to correct.
 fn refuse(name: &str, e: &MeshError) -> Refusal {
     let help = match e {
         MeshError::NoSuchTooth { .. } => {
@@ -365,7 +365,7 @@ fn write_vtu(out: &mut dyn Write, g: &GearMesh) -> Result<(), String> {
     writeln!(out, "<!-- {MARK} -->").map_err(|e| e.to_string())
 }
 
-/// Files that get their names when all of them are whole.
+/// Files that are renamed to their final names when all of them are complete.
 #[derive(Default)]
 struct Files(Vec<Staged>);
 
@@ -389,7 +389,7 @@ impl Files {
         Ok(())
     }
 
-    /// Gives all files their names.
+    /// Renames all files to their final names.
     fn keep(self) -> Result<Vec<PathBuf>, Refusal> {
         let keep = |file: Staged| {
             let path = file.path().to_owned();

@@ -1,10 +1,10 @@
-//! What was recognised of a body whose flanks no set names, in words and for programs.
+//! Recognised geometry of a body without named flanks, as text and as JSON.
 
 use super::report::some;
 use gearbench_reference::recognise::{RecognisedBody, RecognisedGear, RecognisedRack};
 use serde_json::{Value, json};
 
-/// A number with so many digits, without the sign of a zero.
+/// Formats a number with a number of decimals, without the sign of a zero.
 pub(super) fn digits(x: f64, digits: usize) -> String {
     let text = format!("{x:.digits$}");
     match text.strip_prefix('-') {
@@ -18,7 +18,7 @@ fn triple(x: [f64; 3]) -> String {
     format!("({x}, {y}, {z})")
 }
 
-/// What no set names, for programs.
+/// The recognised geometry of a body as JSON.
 pub(super) fn found_of(found: &RecognisedBody) -> Value {
     let vector = |x: &gearbench_models::Vec3| [x.x, x.y, x.z];
     match found {
@@ -47,7 +47,7 @@ pub(super) fn found_of(found: &RecognisedBody) -> Value {
     }
 }
 
-/// What no set names.
+/// The recognised geometry of a body as text.
 pub(super) fn of_found(found: &RecognisedBody) -> String {
     match found {
         RecognisedBody::Gear(gear) => of_found_gear(gear),

@@ -1,4 +1,4 @@
-//! `gearbench reduce SCENE|DECK`: pass 1 of the elastic model, told and stored.
+//! The command `gearbench reduce SCENE|DECK`: computes, reports and stores the modal basis of elastic gears.
 
 pub mod arguments;
 mod found;
@@ -36,37 +36,37 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
 
-/// Modes when the command line does not say.
+/// Default number of modes.
 const MODES: usize = 400;
 
 /// A gear to be reduced.
 struct Job {
-    /// Of its file, where there are several.
+    /// Name of the gear in its file, where there are several.
     name: String,
-    /// Where the mesh is from, in words.
+    /// Origin of the mesh, in words.
     source: String,
     mesh: GearMesh,
-    /// The mesh is one sector of the gear.
+    /// True if the mesh is one sector of the gear.
     sector: bool,
     material: Material,
     mounting: Mounting,
-    /// What was recognised of it, where no sets name its flanks.
+    /// Recognised geometry, where no sets name the flanks.
     found: Option<RecognisedBody>,
-    /// What a reader should know of the input.
+    /// Notes on the input, for the summary.
     notes: Vec<String>,
 }
 
-/// A reduced gear.
+/// A reduced gear: basis, properties and computing time.
 struct Done {
     basis: Arc<Basis>,
     meta: Meta,
-    /// It had been computed before.
+    /// True if the basis was taken from the cache.
     hit: bool,
-    /// [s].
+    /// Time of the reduction [s].
     seconds: f64,
 }
 
-/// Reduces the gears, tells what came out and writes what was asked for.
+/// Reduces the gears, prints the summaries and writes the requested files.
 pub fn run(args: &Arguments) -> Result<Answer, Refusal> {
     let mut jobs = Vec::new();
     let display = Display::new(0);
@@ -165,7 +165,7 @@ fn from_deck(args: &Arguments, input: &str) -> Result<Vec<Job>, Refusal> {
     jobs.collect()
 }
 
-/// Notes in their order, each once.
+/// Removes repeated notes and keeps their order.
 fn without_repeats(notes: impl Iterator<Item = String>) -> Vec<String> {
     let mut once: Vec<String> = Vec::new();
     for note in notes {
@@ -176,7 +176,7 @@ fn without_repeats(notes: impl Iterator<Item = String>) -> Vec<String> {
     once
 }
 
-/// Name of a deck without folder and ending.
+/// Name of a deck without folder and extension.
 fn stem(input: &str) -> String {
     let name = Path::new(input).file_name().unwrap_or_default();
     let name = name.to_string_lossy();
@@ -186,7 +186,7 @@ fn stem(input: &str) -> String {
     name[..name.len() - end.map_or(0, |e| e.len())].to_owned()
 }
 
-/// A material with what the command line says of it.
+/// The material with the changes of the command line.
 fn material(args: &Arguments, of: Material) -> Result<Material, Refusal> {
     let material = Material {
         young: args.young.unwrap_or(of.young),
@@ -253,7 +253,7 @@ fn from_scene(args: &Arguments, input: &str) -> Result<Vec<Job>, Refusal> {
     }
 }
 
-/// A gear of a scene, meshed as the parameters of its model say.
+/// Meshes the gears of a scene according to the parameters of their model.
 fn of_scene(
     args: &Arguments,
     scene: &str,
@@ -300,7 +300,7 @@ fn of_scene(
     })
 }
 
-/// Where each gear is written to.
+/// The output path of each gear.
 fn files(args: &Arguments, jobs: &[Job]) -> Result<Vec<Option<PathBuf>>, Refusal> {
     let Some(out) = &args.out else {
         return Ok(vec![None; jobs.len()]);
@@ -402,7 +402,7 @@ fn reduce(args: &Arguments, job: &Job) -> Result<Done, Refusal> {
     })
 }
 
-/// What the hub does, in words.
+/// Describes the boundary condition of the hub.
 fn hub(motion: Motion, free: bool) -> &'static str {
     match (motion, free) {
         (Motion::Turn, true) => "free to rotate",

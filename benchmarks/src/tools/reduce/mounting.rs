@@ -1,11 +1,11 @@
-//! How a gear that is reduced is mounted.
+//! Mounting (boundary conditions) of a gear that is reduced.
 
 use super::arguments::Reduce as Arguments;
 use super::refuse;
 use crate::cli::terminal::Refusal;
 use gearbench_reference::reduction::Mounting;
 
-/// A mounting with what the command line says of it.
+/// The mounting with the changes of the command line.
 pub(super) fn mounted(args: &Arguments, of: Mounting) -> Result<Mounting, Refusal> {
     let mass = args.added_mass.unwrap_or(of.added_mass);
     let tilting = args.added_tilting.unwrap_or(of.added_tilting);

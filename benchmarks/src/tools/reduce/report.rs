@@ -1,4 +1,4 @@
-//! What `reduce` tells of a gear.
+//! Summary of a reduced gear, as text and as JSON.
 
 use super::found::{digits, found_of, of_found};
 use super::{Done, Job, hub};
@@ -12,15 +12,15 @@ use serde_json::{Value, json};
 use std::f64::consts::TAU;
 use std::path::Path;
 
-/// Frequencies that are named.
+/// Number of natural frequencies in the summary.
 const FIRST: usize = 6;
 
-/// A line of the report.
+/// A line of the summary: name and value in columns.
 pub(super) fn line(what: &str, text: &str) -> String {
     format!("  {what:<12}  {text}")
 }
 
-/// A file with its size.
+/// Describes a written file with its size.
 pub(super) fn file(path: &Path, bytes: u64) -> String {
     let (size, unit) = match bytes {
         0..1_000_000 => (bytes as f64 / 1e3, "kB"),
@@ -29,7 +29,7 @@ pub(super) fn file(path: &Path, bytes: u64) -> String {
     format!("{}, {size:.1} {unit}", path.display())
 }
 
-/// Tells what a gear is and what it was reduced to.
+/// Prints the summary of a reduced gear.
 pub(super) fn tell(job: &Job, done: &Done) {
     let (basis, meta) = (&*done.basis, &done.meta);
     let shown = Toothing::of(basis, meta.motion, meta.teeth);
@@ -70,7 +70,7 @@ pub(super) fn tell(job: &Job, done: &Done) {
     say(&line("time", &format!("{:.2} s{from}", done.seconds)));
 }
 
-/// The same for programs.
+/// The summary of a reduced gear as JSON.
 pub(super) fn told(job: &Job, done: &Done) -> Value {
     let (basis, meta) = (&*done.basis, &done.meta);
     let shown = Toothing::of(basis, meta.motion, meta.teeth);
@@ -120,7 +120,7 @@ pub(super) fn told(job: &Job, done: &Done) -> Value {
     told
 }
 
-/// `1 flank`, `2 flanks`.
+/// A count with its noun, such as `1 flank` or `2 flanks`.
 pub(super) fn some(count: usize, what: &str) -> String {
     match count {
         1 => format!("1 {what}"),
@@ -170,7 +170,7 @@ fn of_toothing(t: &Toothing, motion: Motion, teeth: u32) -> String {
     }
 }
 
-/// Base pitch, base helix and base thickness with what the nodes stand off them.
+/// Describes base pitch, base helix and base thickness with the deviations of the nodes.
 fn of_involute(fit: &Involute) -> String {
     let helix = fit.base_helix_angle().to_degrees();
     let helix = match helix {
@@ -191,7 +191,7 @@ fn of_involute(fit: &Involute) -> String {
     )
 }
 
-/// The likeliest tool, and what else would give the same flanks.
+/// Describes the likeliest tool, and other tools that produce the same flanks.
 fn of_tools(tool: &ToolCandidate, others: &[ToolCandidate]) -> String {
     let pair = |t: &ToolCandidate| {
         format!(
@@ -320,7 +320,7 @@ fn of_modes(basis: &Basis, asked: &str) -> String {
     )
 }
 
-/// Tooth of the first flank, compliance in the middle of that flank [m/N], and the share of it that the modes have.
+/// Tooth of the first flank, compliance in the middle of that flank [m/N], and the share of the modes in it.
 fn compliance(basis: &Basis) -> Option<(u32, f64, f64)> {
     let g = basis.flanks.grids().first()?;
     let node = g.nodes[(g.rows / 2) * g.columns + g.columns / 2];

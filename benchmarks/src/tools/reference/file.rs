@@ -1,5 +1,5 @@
-//! The file of a reference: comments that say what it is, then contact force, speeds, angles, transmission errors and
-//! torques.
+//! The text of a reference file: comments on its origin, then columns of contact force, speeds, angles, transmission
+//! errors and torques.
 
 use crate::experiment::machine;
 use crate::scene_file::references::conditions::stated;
@@ -7,7 +7,7 @@ use gearbench_models::scene::{Channel, OfGear};
 use gearbench_models::spec::{Body, SceneSpec};
 use gearbench_reports::series::TimeSeries;
 
-/// What the comments say.
+/// Contents of the comment lines at the head of the file.
 pub(super) struct Header<'a> {
     pub title: &'a str,
     pub command: &'a str,
@@ -15,7 +15,7 @@ pub(super) struct Header<'a> {
     pub scene: &'a str,
 }
 
-/// Beginnings of the further columns that a reference has.
+/// Prefixes of further columns of a reference.
 const KEPT: [&str; 7] = [
     "hub_angle_",
     "hub_displacement_",
@@ -26,7 +26,7 @@ const KEPT: [&str; 7] = [
     "mount_torque_",
 ];
 
-/// The text of the file.
+/// The text of a reference file.
 pub(super) fn text(header: &Header<'_>, spec: &SceneSpec, series: &TimeSeries) -> String {
     let line = |text: &str| text.replace(['\n', '\r'], " ");
     let mut text = format!(

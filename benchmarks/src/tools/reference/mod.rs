@@ -1,4 +1,4 @@
-//! `gearbench reference SCENE --model LABEL`: a run of a model as a reference for the others.
+//! The command `gearbench reference SCENE --model LABEL`: a run of one model as reference for others.
 
 pub(crate) mod arguments;
 mod file;
@@ -25,12 +25,12 @@ use serde_json::json;
 use std::path::{Component, Path, PathBuf};
 use std::time::Duration;
 
-/// Tolerance where neither the user nor the model says one.
+/// Default relative tolerance of the reference run.
 const RTOL: f64 = 1e-10;
-/// What the second run is finer by: half the step, a tenth of the tolerance.
+/// Step and tolerance of the second run relative to the first.
 const FINER: [f64; 2] = [0.5, 0.1];
 
-/// Runs the model, writes the file and tells the lines of the scene.
+/// Runs the model, writes the reference file and prints its lines for the scene.
 pub fn run(args: &Reference, command: &str) -> Result<Answer, Refusal> {
     let scene = scene_file::load_for(&args.scene, Selection::Labels(Some(&args.model)))?;
     let choices = scene.select(Some(&args.model))?;
@@ -145,7 +145,7 @@ fn bad(why: impl Into<String>, help: impl Into<String>) -> Refusal {
     SceneError::plain(why, help).into()
 }
 
-/// What the command line asks for beside the scene.
+/// The conditions that the command line changes relative to the scene.
 fn conditions(args: &Reference, scene: &SceneFile) -> Result<ReferenceConditions, Refusal> {
     let mut found = ReferenceConditions {
         duration: args.duration,
@@ -181,7 +181,7 @@ fn conditions(args: &Reference, scene: &SceneFile) -> Result<ReferenceConditions
     Ok(found)
 }
 
-/// What the scene is to call the reference: a model has its label already.
+/// The name of the reference in the scene: as given, else the stem of the file (with a suffix if a model has it).
 fn name(args: &Reference, scene: &SceneFile) -> String {
     let stem = args
         .out
@@ -195,13 +195,13 @@ fn name(args: &Reference, scene: &SceneFile) -> String {
     args.name.clone().unwrap_or(usual)
 }
 
-/// Whether the scene has a reference of that name.
+/// True if the scene already has a reference with that name.
 fn named(args: &Reference, scene: &SceneFile) -> bool {
     let name = name(args, scene);
     scene.references.iter().any(|r| r.name == name)
 }
 
-/// The lines of the scene that name the reference.
+/// The lines that add the reference to the scene.
 fn lines(
     args: &Reference,
     scene: &SceneFile,
@@ -227,7 +227,7 @@ fn lines(
     Ok(lines.join("\n"))
 }
 
-/// The path of a file from the folder of the scene.
+/// The path of a file relative to the folder of the scene.
 fn beside(file: &Path, scene: &SceneFile) -> String {
     let whole = |path: &Path| folder_of(path).canonicalize().ok();
     let found = match &scene.origin {
@@ -241,7 +241,7 @@ fn beside(file: &Path, scene: &SceneFile) -> String {
         .to_string()
 }
 
-/// The path from a folder to another, both absolute: a scene that names it can be moved together with the file.
+/// The relative path from one folder to another: a scene with it can be moved together with the file.
 fn way(from: &Path, to: &Path) -> PathBuf {
     let common = (from.components().zip(to.components())).take_while(|(a, b)| a == b);
     let common = common.count();
@@ -319,7 +319,7 @@ fn row(
     }
 }
 
-/// How far a run is from one on a finer step.
+/// The error of a run against a run with a finer step.
 fn own_error(row: &Run, finer: &Run) -> Option<Metrics> {
     let series = finer
         .series
@@ -328,7 +328,7 @@ fn own_error(row: &Run, finer: &Run) -> Option<Metrics> {
     Some(compare(row.finished().ok()?, series, "finer"))
 }
 
-/// Refuses a file that cannot be written before anything is computed.
+/// Checks, before any computation, that a file can be written.
 fn can_be_written(path: &Path) -> Result<(), Refusal> {
     let parent = path.parent().filter(|p| !p.as_os_str().is_empty());
     if path.is_dir() || parent.is_some_and(|p| !p.is_dir()) {
@@ -340,7 +340,7 @@ fn can_be_written(path: &Path) -> Result<(), Refusal> {
     Ok(())
 }
 
-/// The file of a scene, which a shipped one has not.
+/// The path of a scene file; refuses shipped scenes, which have none.
 fn scene_path(scene: &SceneFile) -> Result<PathBuf, Refusal> {
     match &scene.origin {
         Origin::File(path) => Ok(path.clone()),
@@ -354,7 +354,7 @@ fn scene_path(scene: &SceneFile) -> Result<PathBuf, Refusal> {
     }
 }
 
-/// The scene with the lines: its text, and what it reads as.
+/// The text of the scene with the lines added, and the scene read from it.
 fn with_lines(scene: &SceneFile, lines: &str) -> Result<(String, SceneFile), Refusal> {
     let text = format!("{}\n\n{lines}\n", scene.text().trim_end());
     let name = match &scene.origin {
@@ -365,7 +365,7 @@ fn with_lines(scene: &SceneFile, lines: &str) -> Result<(String, SceneFile), Ref
     Ok((text, whole))
 }
 
-/// Appends the lines to the scene file, whose own lines stay as they are; the whole is read before it is written.
+/// Appends the lines to the scene file and leaves the other lines unchanged; the result is parsed before it is written.
 fn add(scene: &SceneFile, lines: &str) -> Result<PathBuf, Refusal> {
     let path = scene_path(scene)?;
     let (text, mut whole) = with_lines(scene, lines)?;
