@@ -325,5 +325,5 @@ fn a_moving_average_fits_into_its_table() {
         ..Request::default()
     };
     let e = spur("time [s];force [N]\n0;1\n1;2\n2;3\n", &request).unwrap_err();
-    assert!(e.expected.contains("at most the 2e0 s"), "{e}");
+    assert!(e.expected.contains("at most 2e0 s"), "{e}");
 }

@@ -139,7 +139,7 @@ fn what_does_not_agree_is_refused() {
                 g.mesh = None;
                 g.units = Some("mm-t-s".into());
             },
-            &["`units`", "this one is generated", "leave it out"],
+            &["`units`", "this one is generated", "remove it"],
         ),
     ];
     for (change, words) in cases {

@@ -117,7 +117,7 @@ fn refusals_say_where_what_and_how() {
     for (text, words) in [
         (
             good.replace("4.1 0 8", "4.1 1 8"),
-            "a.msh:2: $MeshFormat: expected the number 1 as four bytes, found [24, 45, 6e, 64]; was the file transferred",
+            "a.msh:2: $MeshFormat: expected the number 1 as four bytes, found [24, 45, 6e, 64]; was the binary file transferred",
         ),
         (
             good.replace("4.1 0 8", "4.1 2 8"),

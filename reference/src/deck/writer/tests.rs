@@ -172,7 +172,7 @@ fn what_cannot_be_written_is_named() {
     );
     assert_eq!(
         refuse(&|i| i.penalty = 0.0),
-        "the penalty [Pa/m] is 0, it has to be above 0"
+        "the penalty [Pa/m] is 0, but it has to be above 0"
     );
     assert!(refuse(&|i| i.end = 1e-9).contains("at least one step"));
     assert!(refuse(&|i| i.step = f64::NAN).contains("above 0"));

@@ -156,7 +156,7 @@ fn what_is_wrong_with_an_assembly_is_told() {
         ),
         (
             PART,
-            "an *INSTANCE of it in an *ASSEMBLY, found none of cube",
+            "an *INSTANCE of this part in an *ASSEMBLY, found none of cube",
         ),
         (
             &two("", "").replace("4, 0., 1., 0.", "4, 0., -9., 0."),
