@@ -140,7 +140,7 @@ fn singular_hard_contact_is_refused() {
         (
             [plain(), elastic()],
             hard,
-            ["take the points of `wheel`", "second"],
+            ["use the points of `wheel`", "second"],
         ),
         (
             [elastic(), elastic()],
