@@ -167,8 +167,13 @@ fn pages(folder: &Path, found: &mut Vec<PathBuf>) {
 
 /// The words of a command line of a document, whose quotes are double or single and whose comments begin with ` #`.
 fn words(line: &str) -> Vec<String> {
+    // In examples of a help text two blanks stand before what the command does.
+    let line = line.split("  ").next().unwrap_or_default();
     let line = line.split(" #").next().unwrap_or_default();
-    let line = line.split(['|', '>', ';']).next().unwrap_or_default();
+    let line = line
+        .split(['|', '>', ';', '&', '\\'])
+        .next()
+        .unwrap_or_default();
     let line = line.replace('"', "'");
     [vec!["gearbench".to_owned()], split(line.trim())].concat()
 }
