@@ -170,10 +170,7 @@ fn words(line: &str) -> Vec<String> {
     // In examples of a help text two blanks stand before what the command does.
     let line = line.split("  ").next().unwrap_or_default();
     let line = line.split(" #").next().unwrap_or_default();
-    let line = line
-        .split(['|', '>', ';', '&', '\\'])
-        .next()
-        .unwrap_or_default();
+    let line = line.split(['|', '>', ';', '&']).next().unwrap_or_default();
     let line = line.replace('"', "'");
     [vec!["gearbench".to_owned()], split(line.trim())].concat()
 }
@@ -192,7 +189,9 @@ fn commands(text: &str) -> Vec<Vec<String>> {
             let line = line
                 .strip_prefix("cargo run --release -- ")
                 .map_or(line.into(), |rest| format!("gearbench {rest}"));
-            found.extend(program(&line).then(|| words(&line)));
+            // A command that goes on in the next line is not read.
+            let whole = program(&line) && !line.ends_with('\\');
+            found.extend(whole.then(|| words(&line)));
         } else {
             let code = line.split('`').skip(1).step_by(2);
             // In a sentence a command may lack its arguments.

@@ -29,7 +29,7 @@ fn precision_writes_its_table_and_takes_failures_as_data() {
     for (wrong, expected) in [
         ("rigid --metric farce", "there is no metric `farce`"),
         ("rigid --against abaqus", "`abaqus` is not a reference"),
-        ("rigid --integrators bdf@1us", "controls its step size"),
+        ("rigid --integrators bdf@1us", "chooses its steps"),
         ("rigd --metric peak", "did you mean `rigid`"),
     ] {
         folder.refuses(
