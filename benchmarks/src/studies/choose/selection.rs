@@ -56,23 +56,6 @@ struct Selector<'a, 'p> {
     not_tried: Vec<String>,
 }
 
-/// Returns whether an error over the whole scene keeps a tolerance, with the own error of the yardstick.
-///
-/// Both errors are those on the window times the growth beyond it, which is the largest effect of a small change. They are upper
-/// estimates: a level is not adequate only where its error on the window is beyond the tolerance as well.
-fn adequacy(error: f64, own_error: f64, growth: f64, tolerance: f64) -> Adequacy {
-    let found = Adequacy::of(error, own_error, tolerance);
-    match found {
-        Adequacy::NotAdequate => {
-            match Adequacy::of(error / growth, own_error / growth, tolerance) {
-                Adequacy::NotAdequate => found,
-                _ => Adequacy::NotDecided,
-            }
-        }
-        _ => found,
-    }
-}
-
 impl Selector<'_, '_> {
     /// Estimated error against the top level over the whole scene of something at a distance from it on the window.
     fn error(&self, distance: f64) -> f64 {
@@ -90,7 +73,7 @@ impl Selector<'_, '_> {
 
     fn adequate(&self, error: f64) -> Adequacy {
         let tolerance = self.requirement.tolerance;
-        adequacy(error, self.own_error, self.refinement.growth, tolerance)
+        Adequacy::of_grown((error, self.own_error), self.refinement.growth, tolerance)
     }
 
     /// Processor time of all runs that are planned, with one set-up [s].
@@ -559,17 +542,6 @@ pub fn select(
 mod tests {
     use super::*;
     use Adequacy::{Adequate, NotAdequate, NotDecided};
-
-    /// An error that is beyond the tolerance only by its growth is not decided: the growth is an upper estimate.
-    #[test]
-    fn growth_alone_rules_no_level_out() {
-        // 2.5 % on the window with a yardstick of 0.5 %, where a little more stiffness moves the result 80 times as far later.
-        assert_eq!(adequacy(80.0 * 0.025, 80.0 * 0.005, 80.0, 0.05), NotDecided);
-        assert_eq!(adequacy(2.0 * 0.08, 2.0 * 0.005, 2.0, 0.05), NotAdequate);
-        assert_eq!(adequacy(0.08, 0.005, 1.0, 0.05), NotAdequate);
-        assert_eq!(adequacy(2.0 * 0.01, 2.0 * 0.005, 2.0, 0.05), Adequate);
-        assert_eq!(adequacy(f64::INFINITY, 0.005, 3.0, 0.05), NotAdequate);
-    }
 
     /// Costs from the simplest model to the most detailed one.
     #[test]

@@ -244,7 +244,8 @@ impl ChoiceRecord {
     #[must_use]
     pub fn adequacy(&self, error: Option<f64>) -> Adequacy {
         let own = self.yardstick_error.unwrap_or(f64::INFINITY);
-        Adequacy::of(error.unwrap_or(f64::INFINITY), own, self.tolerance)
+        let error = error.unwrap_or(f64::INFINITY);
+        Adequacy::of_grown((error, own), self.growth.unwrap_or(1.0), self.tolerance)
     }
 
     /// Checks the rules that the types do not enforce: the verdict follows from the numbers.
@@ -267,7 +268,9 @@ impl ChoiceRecord {
         let tried = (self.tried.iter()).map(|t| (t.level.as_str(), t.error, t.adequate));
         for (name, error, adequate) in levels.chain(tried) {
             let follows = self.adequacy(error);
-            if adequate != follows {
+            // Earlier records called a level not adequate by its growth alone.
+            let earlier = adequate == Adequacy::NotAdequate && follows == Adequacy::NotDecided;
+            if adequate != follows && !earlier {
                 return Err(format!(
                     "`{name}` is recorded as {adequate}, but {follows} follows from its error"
                 ));

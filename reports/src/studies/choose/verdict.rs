@@ -56,6 +56,19 @@ impl Adequacy {
         }
     }
 
+    /// Returns the adequacy of an error over the whole scene that is the error on a window times its growth beyond it.
+    ///
+    /// The growth is the largest effect of a small change, so that `error` and `own` are upper estimates: a model is not
+    /// adequate only where its error on the window is beyond the tolerance as well.
+    #[must_use]
+    pub fn of_grown((error, own): (f64, f64), growth: f64, tolerance: f64) -> Adequacy {
+        let on_window = || Adequacy::of(error / growth, own / growth, tolerance);
+        match Adequacy::of(error, own, tolerance) {
+            Adequacy::NotAdequate if on_window() != Adequacy::NotAdequate => Adequacy::NotDecided,
+            found => found,
+        }
+    }
+
     /// Returns the word of the format and of the report.
     #[must_use]
     pub fn as_str(self) -> &'static str {
@@ -101,6 +114,19 @@ mod tests {
     use super::Adequacy;
 
     /// The three verdicts at their bounds, without a known error of the yardstick, and for failed runs.
+    #[test]
+    fn growth_alone_rules_no_level_out() {
+        use Adequacy::{Adequate, NotAdequate, NotDecided};
+        let of =
+            |error, own, growth| Adequacy::of_grown((growth * error, growth * own), growth, 0.05);
+        // 2.5 % on the window with a yardstick of 0.5 %, where a little more stiffness moves the result 80 times as far later.
+        assert_eq!(of(0.025, 0.005, 80.0), NotDecided);
+        assert_eq!(of(0.08, 0.005, 2.0), NotAdequate);
+        assert_eq!(of(0.08, 0.005, 1.0), NotAdequate);
+        assert_eq!(of(0.01, 0.005, 2.0), Adequate);
+        assert_eq!(of(f64::INFINITY, 0.005, 3.0), NotAdequate);
+    }
+
     #[test]
     fn the_yardsticks_own_error_bounds_what_is_decided() {
         for (error, own, expected) in [
