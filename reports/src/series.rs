@@ -11,6 +11,15 @@ use serde::{Deserialize, Serialize};
 pub const BACKLASH_POSITION: &str = "backlash_position";
 /// Column of the error of the speed ratio of the first mesh [-]; for further meshes the names of their gears follow.
 pub const SPEED_RATIO_ERROR: &str = "speed_ratio_error";
+/// Returns the name of the column of a quantity of a mesh, which begins and ends with given words: the names of its gears
+/// stand between them, except for the first mesh of a scene.
+pub fn mesh_column(begin: &str, end: &str, further: Option<[&str; 2]>) -> String {
+    match further {
+        None => format!("{begin}{end}"),
+        Some([a, b]) => format!("{begin}_{a}_{b}{end}"),
+    }
+}
+
 /// Prefix of the columns with the deflection of a movable tooth; the name of the gear follows it.
 pub const TOOTH_DEFLECTION: &str = "tooth_deflection";
 /// Prefix of the columns with the radial part of the contact force on a movable tooth; the name of the gear follows it.
@@ -86,10 +95,17 @@ impl TimeSeries {
         self.omega2_rad_s.push(omega2);
     }
 
-    /// Returns the values of a further column by its name.
+    /// Returns the values of a standard or further column by its name; `None` where a reference does not have it.
     pub fn column(&self, name: &str) -> Option<&[f64]> {
-        let found = self.columns.iter().find(|c| c.name == name)?;
-        Some(&found.values)
+        let mut all = self.named_columns();
+        all.find_map(|(n, values)| (n == name).then_some(values))
+    }
+
+    /// Returns the samples of the contact force of a mesh, given by the names of its gears and whether it is the first of
+    /// the scene.
+    pub fn mesh_force(&self, [a, b]: &[String; 2], first: bool) -> Option<&[f64]> {
+        let further = (!first).then_some([a.as_str(), b.as_str()]);
+        self.column(&mesh_column("contact_force", "_n", further))
     }
 
     /// Returns the number of samples.

@@ -22,7 +22,7 @@ pub fn parameters(
         })
         .collect();
     for (mesh, contact) in scene.meshes.iter().zip(&modelling.contacts) {
-        let [a, b] = mesh.gears.map(|i| &scene.gears[i].name);
+        let [a, b] = scene.names_of(mesh.gears);
         let values = numbers(contact, mesh.start.gap);
         let values = values.map(|(key, x)| (key.to_owned(), Value::from(x)));
         all.insert(format!("contact {a} - {b}"), values.collect());

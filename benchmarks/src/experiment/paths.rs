@@ -212,7 +212,7 @@ fn of_mesh(spec: &SceneSpec, grid: &Grid<'_>, m: usize, input: f64) -> MeshPath 
         Some(_) => grid.mean(|i| torques[1][i] * speeds[1][i]),
     };
     MeshPath {
-        gears: gears.map(|g| spec.gears[g].name.clone()),
+        gears: spec.names_of(gears).map(str::to_owned),
         force_n: grid.mean(|i| force[i]),
         torque_nm: [0, 1].map(|k| grid.mean(|i| torques[k][i])),
         power_w: power,

@@ -16,7 +16,7 @@ use gearbench_reports::metrics::{MESH_CYCLE, TRANSMISSION_ERROR};
 use gearbench_reports::record::{self, ContactPoint, ContactSnapshot, Outline, Run, finite};
 use gearbench_reports::series::{
     BACKLASH_POSITION, Column, SPEED_RATIO_ERROR, TOOTH_DEFLECTION, TOOTH_RADIAL_FORCE,
-    TOOTH_SPRING_FORCE, TOOTH_TANGENTIAL_FORCE, TimeSeries,
+    TOOTH_SPRING_FORCE, TOOTH_TANGENTIAL_FORCE, TimeSeries, mesh_column,
 };
 
 /// The columns of a row on the modes of elastic gears.
@@ -152,12 +152,17 @@ fn torques(spec: &SceneSpec, values: impl Fn(Channel) -> Vec<f64>) -> Vec<Column
     channels.map(column).collect()
 }
 
+/// Name of the column with the transmission error of a mesh.
+pub(super) fn error_column(spec: &SceneSpec, mesh: usize) -> String {
+    let further = (mesh > 0).then(|| spec.names_of(spec.meshes[mesh].gears));
+    mesh_column("transmission_error", "_m", further)
+}
+
 /// Transmission errors of all meshes but the first, from the displacement of each hub.
 fn further_errors(spec: &SceneSpec, of_hub: impl Fn(usize) -> Vec<f64>) -> Vec<Column> {
     let column = |m: usize| {
-        let [a, b] = spec.meshes[m].gears.map(|i| spec.gears[i].name.as_str());
         Some(Column {
-            name: format!("transmission_error_{a}_{b}_m"),
+            name: error_column(spec, m),
             values: transmission_error(spec, m, &of_hub)?,
         })
     };
@@ -302,15 +307,9 @@ const TURNING: f64 = 0.5;
 fn motion_columns(spec: &SceneSpec, of_gear: &impl Fn(usize, OfGear) -> Vec<f64>) -> Vec<Column> {
     let mut found = Vec::new();
     for (m, mesh) in spec.meshes.iter().enumerate() {
-        let of = match m {
-            0 => String::new(),
-            _ => {
-                let [a, b] = mesh.gears.map(|i| spec.gears[i].name.as_str());
-                format!("_{a}_{b}")
-            }
-        };
+        let further = (m > 0).then(|| spec.names_of(mesh.gears));
         let mut add = |what: &str, values: Vec<f64>| {
-            let name = format!("{what}{of}");
+            let name = mesh_column(what, "", further);
             found.push(Column { name, values });
         };
         let place = backlash_position(spec, m, |g| of_gear(g, OfGear::Displacement));

@@ -3,11 +3,11 @@
 //! A record has one series over the times of the contact force, else of the longest history, and a further series for the
 //! histories on each other axis of times. A column that the reference does not have is empty.
 
+use super::record::error_column;
 use crate::scene_file::references::subjects;
 use gearbench_models::scene::{Channel, OfGear, OfMesh};
 use gearbench_models::spec::SceneSpec;
 use gearbench_reference::data::{self, Quantity, Reference};
-use gearbench_reports::metrics::TRANSMISSION_ERROR;
 use gearbench_reports::record::ReferenceSeries;
 use gearbench_reports::series::{Column, TimeSeries};
 use std::cmp::Reverse;
@@ -63,14 +63,8 @@ fn put(series: &mut TimeSeries, channel: &data::Channel, scene: &SceneSpec) {
             *column = turning;
             return;
         }
-        Quantity::TransmissionError(0) => TRANSMISSION_ERROR.to_owned(),
-        Quantity::TransmissionError(m) => match scene.meshes.get(m) {
-            Some(mesh) => {
-                let [a, b] = mesh.gears.map(|i| scene.gears[i].name.as_str());
-                format!("transmission_error_{a}_{b}_m")
-            }
-            None => return,
-        },
+        Quantity::TransmissionError(m) if m < scene.meshes.len() => error_column(scene, m),
+        Quantity::TransmissionError(_) => return,
         Quantity::Force(m) => Channel::Mesh(m, OfMesh::Force).column(scene),
         Quantity::Speed(g) => Channel::Gear(g, OfGear::Speed).column(scene),
         Quantity::Angle(g) => Channel::Gear(g, OfGear::Displacement).column(scene),

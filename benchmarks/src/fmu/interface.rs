@@ -189,7 +189,7 @@ impl Interface {
             }
         }
         for (m, mesh) in spec.meshes.iter().enumerate() {
-            let [a, b] = mesh.gears.map(|g| &spec.gears[g].name);
+            let [a, b] = spec.names_of(mesh.gears);
             for (what, name, description) in [
                 (OfMesh::Force, "force", "contact force, magnitude"),
                 (OfMesh::X, "force_x", "contact force on the second gear, x"),

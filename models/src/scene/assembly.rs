@@ -156,7 +156,7 @@ impl Scene {
                 // Pairs take turns in standing for the mesh: that is no jump only where all have one gap.
                 if search.whole_mesh && gears[i].model.hub().own > 0 {
                     let error = BuildError::mesh(
-                        mesh.gears.map(|i| spec.gears[i].name.as_str()),
+                        spec.names_of(mesh.gears),
                         MeshPart::Stiffness,
                         (
                             format!(
@@ -173,7 +173,7 @@ impl Scene {
                 |i: &usize| matches!(&spec.gears[*i].body, Body::Gear(g) if g.deviates());
             if search.whole_mesh && mesh.gears.iter().any(deviates) {
                 return Err(BuildError::mesh(
-                    mesh.gears.map(|i| spec.gears[i].name.as_str()),
+                    spec.names_of(mesh.gears),
                     MeshPart::Stiffness,
                     (
                         "one stiffness for the whole mesh needs equal teeth, but teeth deviate from each other",

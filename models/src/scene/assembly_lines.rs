@@ -50,7 +50,7 @@ pub(super) fn strips(
     mesh: &MeshSpec,
     gears: &[SceneGear],
 ) -> Result<usize, BuildError> {
-    let names = mesh.gears.map(|i| spec.gears[i].name.as_str());
+    let names = spec.names_of(mesh.gears);
     let error = |part, why: Reason| BuildError::mesh(names, part, why);
     let mut found: Option<usize> = None;
     for i in mesh.gears {
@@ -164,7 +164,7 @@ pub(super) fn flank_lines(
     gears: &[SceneGear],
     (search, of_pairs): (LinesOfAction, Law),
 ) -> Result<(FlankLines, Law), BuildError> {
-    let names = mesh.gears.map(|i| spec.gears[i].name.as_str());
+    let names = spec.names_of(mesh.gears);
     let error = |part, why: Reason| BuildError::mesh(names, part, why);
     if contact.exponent != 1.0 {
         return Err(error(

@@ -185,7 +185,7 @@ impl Channel {
                 };
                 let of = match scene.meshes.get(m) {
                     Some(mesh) if m > 0 => {
-                        let [a, b] = mesh.gears.map(|i| scene.gears[i].name.as_str());
+                        let [a, b] = scene.names_of(mesh.gears);
                         format!("_{a}_{b}")
                     }
                     _ => String::new(),

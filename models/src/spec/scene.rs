@@ -172,6 +172,11 @@ impl SceneSpec {
         self.shafts.iter().flat_map(ShaftSpec::bodies)
     }
 
+    /// Returns the names of the two gears of a mesh, given by their indices.
+    pub fn names_of(&self, gears: [usize; 2]) -> [&str; 2] {
+        gears.map(|i| self.gears[i].name.as_str())
+    }
+
     /// Returns the first mesh with a loaded start, if any.
     pub fn starts_loaded(&self) -> Option<&MeshSpec> {
         self.meshes.iter().find(|m| m.start.loaded)

@@ -16,15 +16,6 @@ use std::f64::consts::TAU;
 /// Largest number of times at which the ripple is sampled.
 const MOST_TIMES: usize = 1 << 14;
 
-/// Returns the name of the column with the contact force of a mesh, by the names of its gears; the first mesh of a
-/// scene has a name without them.
-pub fn force_column([a, b]: &[String; 2], first: bool) -> String {
-    match first {
-        true => "contact_force_n".into(),
-        false => format!("contact_force_{a}_{b}_n"),
-    }
-}
-
 /// Returns the forces of all meshes of a run that reached its end, by the names of their gears; empty for a scene with
 /// one mesh. The force of the first mesh is piecewise polynomial, that of further meshes linear between samples.
 pub fn mesh_forces(
@@ -37,10 +28,13 @@ pub fn mesh_forces(
         return Vec::new();
     };
     let of_mesh = |(m, gears): (usize, &[String; 2])| {
-        let history = match series.column(&force_column(gears, m == 0)) {
-            Some(samples) => Cow::Owned(ForceHistory::polyline(&series.time_s, samples)),
-            None if m == 0 => force_of(series),
-            None => Cow::Owned(ForceHistory::default()),
+        let history = match m {
+            0 => force_of(series),
+            _ => {
+                let samples = series.mesh_force(gears, false);
+                let polyline = samples.map(|f| ForceHistory::polyline(&series.time_s, f));
+                Cow::Owned(polyline.unwrap_or_default())
+            }
         };
         let force = Force::until(&history, end);
         let spell = history.first_spell().filter(|[_, last]| *last < end);
@@ -87,7 +81,7 @@ fn ripple(force: &Force<'_>, [start, end]: [f64; 2], samples: usize, above: f64)
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::series::Column;
+    use crate::series::{Column, mesh_column};
 
     /// The second mesh bears 100 N for a quarter of a second, then a ripple of 20 N at 40 Hz about 50 N to the end; the third
     /// never touches.
@@ -104,7 +98,7 @@ mod tests {
             t => 50.0 + 20.0 * (TAU * 40.0 * t).sin(),
         };
         let column = |i: usize, values: Vec<f64>| Column {
-            name: force_column(&meshes[i], false),
+            name: mesh_column("contact_force", "_n", Some([&meshes[i][0], &meshes[i][1]])),
             values,
         };
         let series = TimeSeries {

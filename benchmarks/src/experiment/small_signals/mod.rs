@@ -116,7 +116,7 @@ pub fn assemble(
     let Some(mesh) = spec.starts_loaded() else {
         return Ok(scene);
     };
-    let names = mesh.gears.map(|i| spec.gears[i].name.as_str());
+    let names = spec.names_of(mesh.gears);
     let refuse = |why: String, help: &str| {
         let mut ids: Vec<&str> = modelling.gears.iter().map(|g| g.id.as_str()).collect();
         ids.dedup();

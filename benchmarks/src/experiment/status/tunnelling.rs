@@ -156,7 +156,7 @@ impl TunnellingDetector {
         TunnellingDetector {
             pairs: (0..spec.meshes.len()).filter_map(pair).collect(),
             names: (spec.meshes.iter())
-                .map(|m| m.gears.map(|i| spec.gears[i].name.clone()))
+                .map(|m| spec.names_of(m.gears).map(str::to_owned))
                 .collect(),
             deflection: scene.magnitudes().deflection,
             passed: None,

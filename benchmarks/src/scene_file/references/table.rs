@@ -96,7 +96,7 @@ pub fn subjects(spec: &SceneSpec) -> Subjects {
             .collect(),
         meshes: (spec.meshes.iter())
             .map(|m| MeshSubject {
-                gears: m.gears.map(|i| spec.gears[i].name.clone()),
+                gears: spec.names_of(m.gears).map(str::to_owned),
                 base_helix: spec.gears[m.gears[0]].body.base_helix_angle(),
                 base_radius: match &spec.gears[m.gears[1]].body {
                     Body::Gear(gear) => Some(gear.r_base()),

@@ -11,6 +11,7 @@ use crate::experiment::small_signals::mesh_modes;
 use crate::experiment::status::{against_contact, judge};
 use crate::experiment::thin::thin_row;
 use gearbench_integrators::Scheme;
+use gearbench_models::spec::MeshSpec;
 use gearbench_reports::comparison::{CompareRecord, Kind, Yardstick};
 use gearbench_reports::metrics::meshes::mesh_forces;
 use gearbench_reports::metrics::{Metric, compare as measure, compare_all};
@@ -198,11 +199,9 @@ pub fn compare(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, RunError
 
 /// Names of the gears of each mesh.
 fn meshes_of(entry: &Configuration) -> Vec<[String; 2]> {
-    let gears = &entry.scene.gears;
-    let meshes = entry.scene.meshes.iter();
-    meshes
-        .map(|m| m.gears.map(|i| gears[i].name.clone()))
-        .collect()
+    let scene = &entry.scene;
+    let of = |m: &MeshSpec| scene.names_of(m.gears).map(str::to_owned);
+    scene.meshes.iter().map(of).collect()
 }
 
 /// Describes the number of modes of each gear of an elastic model, for which the settings are only upper bounds.

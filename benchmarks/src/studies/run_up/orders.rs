@@ -52,7 +52,7 @@ pub fn tracked(
             a[between[1]] - a[between[0]]
         };
         let turned = angle(g) - recorded.carrier_of_mesh(m).map_or(0.0, angle);
-        let [a, b] = mesh.gears.map(|i| spec.gears[i].name.as_str());
+        let [a, b] = spec.names_of(mesh.gears);
         let order = f64::from(body.teeth()) * turned.abs() / reference;
         if order > 0.0 {
             add(&mut meshes, order, format!("{a} - {b}"));

@@ -1,5 +1,5 @@
-//! The elastic gear on a hub with out-of-plane freedom: motion of the hub by the modes, and forces of the bearing on
-//! the modes.
+//! This module extends the elastic gear to a hub with out-of-plane freedom: it adds the motion of the hub by the modes, and
+//! the forces of the bearing on the modes.
 //!
 //! The floating frame moves as a rigid body does ([`crate::kinematics::OutOfPlane`]); the modes have no momentum in
 //! the free directions of the hub. The displacement of the hub from the frame follows from the modes, with the gear

@@ -12,7 +12,7 @@ use crate::drawing::panel::{Curve, Panel, chart, extremes};
 use crate::drawing::style::{model_stroke, reference_stroke};
 use crate::numbers::{Prefix, per_cent, quantity};
 use crate::record::{ReferenceSeries, Run};
-use crate::series::{TimeSeries, resample};
+use crate::series::{TimeSeries, mesh_column, resample};
 use crate::view::View;
 
 /// A run that is drawn in a chart of histories.
@@ -74,14 +74,10 @@ impl<'a> History<'a> {
     /// Returns times and values of a column, from the first of its series that has it.
     fn column(&self, name: &str) -> Option<(&'a [f64], &'a [f64])> {
         let mut all = self.all_series();
-        all.find_map(|s| Some((s.time_s.as_slice(), column(s, name)?)))
+        all.find_map(|s| {
+            Some((s.time_s.as_slice(), s.column(name)?)).filter(|(t, _)| !t.is_empty())
+        })
     }
-}
-
-/// Returns the values of a standard or further column; `None` if a reference lacks it.
-fn column<'s>(series: &'s TimeSeries, name: &str) -> Option<&'s [f64]> {
-    let mut columns = series.named_columns();
-    columns.find_map(|(n, values)| (n == name && !values.is_empty()).then_some(values))
 }
 
 impl<'a> Histories<'a> {
@@ -175,7 +171,7 @@ impl<'a> Histories<'a> {
         let columns = || meshes.iter().take(shown);
         let of = |c: &History<'a>| {
             let series = c.series;
-            let force = |m: &Member| Some((series.time_s.as_slice(), column(series, &m.column)?));
+            let force = |m: &Member| Some((series.time_s.as_slice(), series.column(&m.column)?));
             columns().filter_map(force).collect::<Vec<_>>()
         };
         self.curves.iter().flat_map(of).collect()
@@ -194,10 +190,7 @@ impl<'a> Histories<'a> {
         }
         let member = |(m, [a, b]): (usize, &[String; 2])| Member {
             name: format!("{a} - {b}"),
-            column: match m {
-                0 => first.column.clone(),
-                _ => format!("{begin}_{a}_{b}{end}"),
-            },
+            column: mesh_column(begin, end, (m > 0).then_some([a.as_str(), b.as_str()])),
             style: self.models + m,
         };
         self.meshes.iter().enumerate().map(member).collect()
@@ -276,7 +269,7 @@ impl<'a> Histories<'a> {
         panel: &dyn Fn(&str) -> Panel,
     ) -> Vec<Panel> {
         let of = |m: &Member| {
-            let curves = self.lines(|s| column(s, &m.column), factor, time);
+            let curves = self.lines(|s| s.column(&m.column), factor, time);
             (!curves.is_empty()).then(|| panel(&m.name).curves(curves))
         };
         members.iter().filter_map(of).collect()
@@ -502,12 +495,6 @@ const AT_REST: f64 = 1e-9;
 /// Ending of the names of further columns with the speed of a gear.
 const SPEED: &str = "_rad_s";
 
-/// Returns the name of a gear from the column of its speed, without the unit.
-fn speed<'s>(series: &'s TimeSeries, name: &str) -> Option<&'s [f64]> {
-    let mut columns = series.named_columns();
-    columns.find_map(|(n, values)| (n.strip_suffix(SPEED)? == name).then_some(values))
-}
-
 /// Draws the speeds of all gears over time.
 pub fn speeds(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
     let Some(h) = Histories::of(view) else {
@@ -516,16 +503,14 @@ pub fn speeds(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
     let mut names: Vec<&str> = Vec::new();
     let all = h.curves.iter().flat_map(History::all_series);
     for (name, _) in all.flat_map(TimeSeries::named_columns) {
-        if let Some(name) = name.strip_suffix(SPEED)
-            && !names.contains(&name)
-        {
+        if name.ends_with(SPEED) && !names.contains(&name) {
             names.push(name);
         }
     }
     // Gears that are held have no panel: their speed is rounding.
     let largest = |name: &str| {
         let all = h.curves.iter().flat_map(History::all_series);
-        let values = all.filter_map(|s| speed(s, name)).flatten();
+        let values = all.filter_map(|s| s.column(name)).flatten();
         values.fold(0.0_f64, |most, x| most.max(x.abs()))
     };
     let fastest = names.iter().map(|n| largest(n)).fold(0.0, f64::max);
@@ -539,7 +524,8 @@ pub fn speeds(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
             s.outlines.iter().map(|o| o.gear.as_str()).collect()
         });
     let label = |i: usize, name: &str| {
-        let symbol = name
+        let symbol = name.strip_suffix(SPEED).unwrap_or(name);
+        let symbol = symbol
             .replacen("omega", "\u{3c9}", 1)
             .replacen("speed", "\u{3c9}", 1);
         let symbol = symbol.replace('_', " ");
@@ -558,7 +544,7 @@ pub fn speeds(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
             panels.push(Panel {
                 x_name: (place + 1 == moving.len()).then(|| time.name.clone()),
                 ..Panel::new(size, &time.axis, &label(*i, name))
-                    .curves(h.lines(|s| speed(s, name), 1.0, time))
+                    .curves(h.lines(|s| s.column(name), 1.0, time))
                     .close()
             });
         }

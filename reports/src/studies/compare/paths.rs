@@ -9,10 +9,8 @@ use crate::drawing::panel::{Curve, Panel, chart};
 use crate::drawing::style::look;
 use crate::markup::table::Table;
 use crate::markup::{note, section};
-use crate::metrics::meshes::force_column;
 use crate::numbers::{Prefix, per_cent, quantity, significant};
 use crate::record::{MemberPath, MeshPath, PlanetShare, Run, ShaftPath, Sharing, TorquePaths};
-use crate::series::TimeSeries;
 use crate::view::View;
 use maud::{Markup, html};
 
@@ -190,13 +188,6 @@ fn sharing(all: &[&Shown<'_>]) -> Markup {
     )
 }
 
-/// Returns the contact force of a mesh over time.
-fn force<'s>(series: &'s TimeSeries, gears: &[String; 2], first: bool) -> Option<&'s [f64]> {
-    let name = force_column(gears, first);
-    let mut columns = series.named_columns();
-    columns.find_map(|(n, values)| (n == name).then_some(values))
-}
-
 /// Draws the shares of planets over time, a panel for each gear that they mesh with, for the first model that has them.
 pub fn shares(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
     let all = shown(view);
@@ -220,7 +211,7 @@ pub fn shares(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
             let joins =
                 |m: &MeshPath| m.gears.contains(&of.gear) && m.gears.iter().any(|g| g == planet);
             let (i, mesh) = meshes.clone().find(|(_, m)| joins(m))?;
-            force(series, &mesh.gears, i == 0)
+            series.mesh_force(&mesh.gears, i == 0)
         };
         let forces: Option<Vec<&[f64]>> = of.planets.iter().map(|p| of_planet(&p.planet)).collect();
         let Some(forces) = forces else { continue };

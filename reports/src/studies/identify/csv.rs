@@ -106,8 +106,7 @@ fn histories(all: &[FitHistory]) -> CsvTable {
         }
     }
     let rows = all.iter().flat_map(|h| {
-        let column = |name: &&str| h.series.named_columns().find(|(n, _)| n == name);
-        let columns: Vec<Option<&[f64]>> = names.iter().map(|n| Some(column(n)?.1)).collect();
+        let columns: Vec<Option<&[f64]>> = names.iter().map(|n| h.series.column(n)).collect();
         (0..h.series.len()).map(move |i| {
             let value = |c: &Option<&[f64]>| number(c.and_then(|c| c.get(i).copied()));
             let head = [
