@@ -175,7 +175,7 @@ fn integration_error(
 /// [Hz] or has no result.
 ///
 /// # Errors
-/// Those of `distance`.
+/// The errors that `distance` returns.
 pub fn error_of_step<E>(
     (step, highest): (f64, f64),
     mut distance: impl FnMut(f64) -> Result<f64, E>,

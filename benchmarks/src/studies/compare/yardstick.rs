@@ -17,8 +17,9 @@
 //! ```
 //!
 //! Their sum is the error of the yardstick. Each of these runs is bounded by processor time as every other run is (`--timeout`).
-//! Where refined gears themselves do not reach the end, the most detailed model of the scene takes their place; where a further
-//! run does not, its part is not known. Either is told, and nothing is decided, since the error of the yardstick is not known.
+//! If refined gears do not reach the end, the most detailed model of the scene is the yardstick instead; if a further run
+//! does not, its part of the error is unknown. In both cases the error of the yardstick is unknown, so that no model is
+//! adequate or not adequate, and the comparison gives the reason.
 
 use super::Plan;
 use crate::experiment::configuration::Configuration;
@@ -146,9 +147,10 @@ struct Maker<'a> {
     metric: Metric,
     /// Number of runs that were started.
     begun: usize,
-    /// Reasons why parts of the error of refined gears are unknown.
-    unknown: Vec<String>,
 }
+
+/// A part of the error of refined gears, or the reason why it is unknown.
+type ErrorPart = Result<f64, String>;
 
 /// Runs refined gears of a scene over the whole of it.
 ///
@@ -176,7 +178,6 @@ pub fn refined(
         step,
         metric,
         begun: 0,
-        unknown: Vec::new(),
     };
     maker.tell("mesh and modes of refined gears");
     let details = Details::of(problem, MODES);
@@ -199,18 +200,18 @@ pub fn refined(
     let mesh = match &details.finer {
         Ok(_) => (maker.distance("mesh of the scene", &lead, &series)?)
             .map(|e| error_of_mesh(e, details.on_half_spaces())),
-        Err(_) => None,
+        Err(why) => Err(why.clone()),
     };
-    let error = [integration, modes, mesh]
-        .into_iter()
-        .try_fold(0.0, |sum, e| Some(sum + e?));
+    let parts = [&integration, &modes, &mesh];
+    let error = parts
+        .iter()
+        .try_fold(0.0, |sum, e| Some(sum + e.as_ref().ok()?));
     let title = format!(
         "refined elastic gears ({}; {MODES} modes)",
         details.describe_judge()
     );
-    let mut notes = maker.unknown;
-    notes.extend(details.no_half_spaces.iter().cloned());
-    notes.extend(details.finer.as_ref().err().cloned());
+    let reasons = parts.into_iter().filter_map(|e| e.as_ref().err());
+    let notes: Vec<String> = reasons.chain(&details.no_half_spaces).cloned().collect();
     Ok(Ok(Refined {
         reference: ReferenceSeries {
             id: REFINED.into(),
@@ -228,9 +229,9 @@ pub fn refined(
             id: REFINED.into(),
             kind: Kind::Refined,
             title,
-            integration_error: integration,
-            modes_error: modes,
-            mesh_error: mesh,
+            integration_error: integration.ok(),
+            modes_error: modes.ok(),
+            mesh_error: mesh.ok(),
             error,
             note: notes.join("; "),
         },
@@ -279,35 +280,30 @@ impl Maker<'_> {
         }
     }
 
-    /// Distance of a run to a history; nothing where it has none, for a reason that is kept.
+    /// Returns the distance of a run to a history.
     fn between(
-        &mut self,
+        &self,
         (what, made): (&str, &Result<Run, String>),
         series: &TimeSeries,
-    ) -> Option<f64> {
+    ) -> ErrorPart {
         let found = made.as_ref().map_err(Clone::clone).and_then(|run| {
             let run = run.finished().map_err(|e| e.to_string())?;
             let found = compare(run, series, REFINED).get(self.metric).map(f64::abs);
-            found.ok_or_else(|| "the metric has no value".to_owned())
+            let finite = found.filter(|d| d.is_finite());
+            finite.ok_or_else(|| "the metric has no value".to_owned())
         });
-        match found {
-            Ok(distance) => Some(distance),
-            Err(why) => {
-                let why =
-                    format!("what they are off is not known, because {what} gave nothing: {why}");
-                self.unknown.push(why);
-                None
-            }
-        }
+        found.map_err(|why| {
+            format!("their error is unknown, because the run with {what} has no result: {why}")
+        })
     }
 
-    /// Distance of a variant to refined gears.
+    /// Runs a variant and returns its distance to refined gears.
     fn distance(
         &mut self,
         what: &str,
         of: &Variant<'_>,
         series: &TimeSeries,
-    ) -> Result<Option<f64>, RunError> {
+    ) -> Result<ErrorPart, RunError> {
         let made = self.run(what, of)?;
         Ok(self.between((what, &made), series))
     }
@@ -318,7 +314,7 @@ impl Maker<'_> {
         finest: &Variant<'_>,
         made: &Run,
         series: &TimeSeries,
-    ) -> Result<Option<f64>, RunError> {
+    ) -> Result<ErrorPart, RunError> {
         if made.step.is_none() {
             // Of an adaptive method the order says little: the whole distance counts.
             let looser = Variant {
@@ -328,38 +324,33 @@ impl Maker<'_> {
             return self.distance("a looser tolerance", &looser, series);
         }
         let highest = made.highest_hz.unwrap_or(0.0);
-        let told = self.unknown.len();
+        let mut reasons = Vec::new();
         let found = error_of_step((self.step, highest), |step| {
             let coarser = step / self.step;
             let other = Variant { coarser, ..*finest };
             let found = self.distance(&format!("{coarser} times the step"), &other, series)?;
-            Ok::<_, RunError>(found.unwrap_or(f64::INFINITY))
+            Ok::<_, RunError>(found.unwrap_or_else(|why| {
+                reasons.push(why);
+                f64::INFINITY
+            }))
         })?;
-        if found.is_some() {
-            // One of both steps is enough.
-            self.unknown.truncate(told);
-        }
-        Ok(found)
+        Ok(found.ok_or_else(|| reasons.join("; ")))
     }
 
-    /// Error by the modes that they lack.
-    fn modes(
-        &mut self,
-        finest: &Variant<'_>,
-        series: &TimeSeries,
-    ) -> Result<Option<f64>, RunError> {
+    /// Estimates the truncation error of the refined gears from runs with fewer modes.
+    fn modes(&mut self, finest: &Variant<'_>, series: &TimeSeries) -> Result<ErrorPart, RunError> {
         let mut distances = Vec::new();
         let mut next = series.clone();
         for modes in FEWER {
             let what = format!("{modes} modes");
             let made = self.run(&what, &Variant { modes, ..*finest })?;
-            let Some(distance) = self.between((&what, &made), &next) else {
-                return Ok(None);
-            };
-            distances.insert(0, distance);
+            match self.between((&what, &made), &next) {
+                Ok(distance) => distances.insert(0, distance),
+                Err(why) => return Ok(Err(why)),
+            }
             next = made.ok().and_then(|m| m.series).unwrap_or_default();
         }
-        Ok(Some(error_of_modes(&distances, self.metric)))
+        Ok(Ok(error_of_modes(&distances, self.metric)))
     }
 }
 
@@ -408,7 +399,7 @@ mod tests {
         let problem = Problem::of(&scene);
         let runner = Runner::default();
         let made = refined(&plan, &problem, &runner).unwrap().ok().unwrap();
-        assert_eq!(made.yardstick.note.matches("not known").count(), 0);
+        assert_eq!(made.yardstick.note.matches("unknown").count(), 0);
         let parts = [
             made.yardstick.integration_error,
             made.yardstick.modes_error,
@@ -418,19 +409,19 @@ mod tests {
             parts.iter().all(|e| e.is_some_and(|e| e > 0.0)),
             "{parts:?}"
         );
-        let mut maker = Maker {
+        let maker = Maker {
             plan: &plan,
             problem: &problem,
             runner: &runner,
             step: 1e-7,
             metric: Metric::default(),
             begun: 0,
-            unknown: Vec::new(),
         };
         let ended_early = Err("it got to half of the end".to_owned());
         let series = &made.reference.series;
-        assert_eq!(maker.between(("75 modes", &ended_early), series), None);
-        let why = maker.unknown.join("; ");
+        let why = maker
+            .between(("75 modes", &ended_early), series)
+            .unwrap_err();
         assert!(
             why.contains("75 modes") && why.contains("half of the end"),
             "{why}"

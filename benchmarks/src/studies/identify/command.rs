@@ -92,7 +92,12 @@ pub fn run(args: &Identify, command: &str) -> Result<Answer, Refusal> {
     if !args.output.measured.is_empty() {
         for (choice, found) in &found {
             let made = histories_of_fit(&scene, choice, found, &runner);
-            histories.extend(made.map_err(|e| refuse_study(&scene, e.into()))?);
+            for history in made.map_err(|e| refuse_study(&scene, e.into()))? {
+                match history {
+                    Ok(history) => histories.push(history),
+                    Err(why) => warn(&why),
+                }
+            }
         }
     }
     drop(runner);

@@ -215,8 +215,8 @@ fn against(set: &DataSet, model: Vec<f64>, validation: bool) -> DataRecord {
     }
 }
 
-/// The scene with a fitted model, once with the constants that the fit started from and once with those that it found: what
-/// measured curves are compared with. A run that fails is none.
+/// Runs the scene with a fitted model, once with the constants that the fit started from and once with those that it found;
+/// measured curves are compared with both. A run that fails has the reason in place of a history.
 ///
 /// # Errors
 /// [`RunError`] when a model cannot be built with its constants.
@@ -225,7 +225,7 @@ pub fn histories(
     choice: &ModelChoice,
     found: &Identification,
     runner: &Runner<'_>,
-) -> Result<Vec<FitHistory>, RunError> {
+) -> Result<Vec<Result<FitHistory, String>>, RunError> {
     let conditions = Conditions {
         torques: true,
         repeats: 0,
@@ -246,13 +246,19 @@ pub fn histories(
             ..conditions.job((&spec, &modelling), &method, &grid)
         };
         let row = runner.row(job.key(), &method, || run(&job))?;
-        if row.status.is_failure() {
-            continue;
-        }
-        all.extend(row.series.map(|series| FitHistory {
+        let series = row.series.as_ref().filter(|_| !row.status.is_failure());
+        let history = series.map(|series| FitHistory {
             label: choice.label.clone(),
             constants: set,
-            series: thin(&series),
+            series: thin(series),
+        });
+        all.push(history.ok_or_else(|| {
+            let why = row.message.clone();
+            format!(
+                "`{}` with {set} constants is not compared with measured curves: {}",
+                choice.label,
+                why.unwrap_or_else(|| row.status.to_string())
+            )
         }));
     }
     Ok(all)
