@@ -12,7 +12,8 @@ import shutil
 import subprocess
 import sys
 
-ROOT = pathlib.Path(__file__).resolve().parent.parent
+from check_links import LINK, ROOT
+
 BOOK = ROOT / "docs" / "book"
 STAGED = ROOT / "target" / "book-source"
 # Documents from elsewhere that become chapters, with their titles.
@@ -30,7 +31,6 @@ CHAPTERS = {
     "CONTRIBUTING.md": "Contributing",
     "SECURITY.md": "Security",
 }
-LINK = re.compile(r"(!?\[[^\]]*\]\()([^)\s]+)(\))")
 
 
 def staged_place(path):
@@ -66,7 +66,7 @@ def stage():
             continue
 
         def changed(match, path=path, place=place):
-            target, _, anchor = match.group(2).partition("#")
+            target, _, anchor = match.group(1).partition("#")
             if not target or ":" in target:
                 return match.group(0)
             file = (path.parent / target).resolve()
@@ -85,7 +85,8 @@ def stage():
                 documents.append(file)
                 there = source / staged_place(file)
             to = pathlib.PurePath(os.path.relpath(there, place.parent)).as_posix()
-            return match.group(1) + to + ("#" + anchor if anchor else "") + match.group(3)
+            before = match.group(0)[: match.start(1) - match.start()]
+            return before + to + ("#" + anchor if anchor else "") + ")"
 
         text = path.read_text(encoding="utf-8")
         place.write_text(outside_code(text, lambda part: LINK.sub(changed, part)), encoding="utf-8")

@@ -4,7 +4,7 @@
 //! |---|---|
 //! | `skin` | faces at the surface, their normals, pieces that hang together |
 //! | `axis` | axis of rotation from end faces, hull, tip and bore |
-//! | `specified_body` | what the user says of a body, held against what is found |
+//! | `specified_body` | the properties of a body that the user specifies, compared with the recognised ones |
 //! | `teeth` | toothed shell, bore, number of teeth |
 //! | `flanks` | which faces are flanks |
 //! | [`rack`] | a rack: planes of flanks, pitch, back |

@@ -185,8 +185,7 @@ fn contacts_that_close_at_rest_have_the_documented_damping() {
     }
 }
 
-/// The same gears with the wheel first, and gears of twice the size, have equal results: nothing depends on rounding
-/// at first contact.
+/// Results depend neither on the order of the two gears nor on their size: rounding has no effect at first contact.
 #[test]
 fn contacts_that_close_at_rest_keep_exchange_and_size() {
     for damping in [Damping::HuntCrossley { e: 0.9 }, Damping::Flores { e: 0.7 }] {

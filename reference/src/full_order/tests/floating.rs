@@ -1,4 +1,4 @@
-//! A ring on hubs that move in several directions, about axes in any direction.
+//! Tests of the floating frame with a ring whose hub moves in several directions, for axes of any orientation.
 
 mod alike;
 
