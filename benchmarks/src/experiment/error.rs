@@ -75,7 +75,7 @@ impl RunError {
         ))
     }
 
-    /// True if the method does not apply to the model, so that a study leaves the pair out and goes on.
+    /// True if the method does not apply to the model, so that a study omits the pair and continues.
     pub fn leaves_out(&self) -> bool {
         matches!(self, RunError::NoLinearPart(_) | RunError::Unsupported(_))
     }

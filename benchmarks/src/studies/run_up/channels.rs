@@ -1,6 +1,6 @@
 //! Recorded quantities of a run-up: transmission error and force of every mesh, force of every bearing.
 //!
-//! The motion of gears on a carrier is relative to it; otherwise the order of the carrier would appear beside that of
+//! The motion of gears on a carrier is relative to it; otherwise the order of the carrier would be added to that of
 //! the mesh.
 
 use super::recorder::Recorder;

@@ -3,8 +3,8 @@
 //! - A body is what elements with common nodes make up. Its bore is the node set `bore` or `bore1`, `bore2`, ...
 //!   on it: nodes on a circle about z make a gear, nodes in a plane parallel to z a rack.
 //! - What no set names is recognised from the surface ([`crate::recognise`]): the axis, whatever its direction, the bore,
-//!   the flanks, the back of a rack. Flanks whose faces are no structured grid touch at points tied to them. What the user
-//!   says of the body ([`SpecifiedBody`]) leads, and what is found has to agree with it.
+//!   the flanks, the back of a rack. Flanks whose faces are no structured grid touch at points tied to them. Properties that
+//!   the user specifies ([`SpecifiedBody`]) take precedence, and the recognised ones have to agree with them.
 //! - Flanks are the node sets `flank_3l` or `flank1_3l` (gear 1, tooth 3, left), or surfaces of these names with
 //!   an `s` in front. Their grids are found from the faces, whatever the labels. Teeth are numbered by where they
 //!   stand, counter-clockwise from the tooth called 1; sides have to be called what they are.

@@ -87,7 +87,7 @@ impl Linearised {
         Some(omega)
     }
 
-    /// Returns the remaining stiffness beside the oscillators for a method with these impulses at a step `h` [s]: `K -
+    /// Returns the remaining stiffness in addition to the oscillators for a method with these impulses at a step `h` [s]: `K -
     /// Omega^2` for unit masses. `omega` are [`Self::oscillators`].
     pub fn rest(
         &mut self,
