@@ -145,7 +145,7 @@ const NOT_DONE: &[(&[&str], &str)] = &[
     ),
     (
         &["field", "output", "vtu", "animation"],
-        "`gearbench compare --vtu FRAMES` writes the bodies of a run",
+        "`gearbench compare --vtu 60` writes the bodies of a run",
     ),
     (
         &["stress", "mode_shape"],
