@@ -72,6 +72,36 @@ const PARTS: &[Part] = &[
         "compare hammer.toml --models rigid,movable-teeth --no-events --repeats 1 --timeout T --out OUT",
     ),
     part(
+        "compare",
+        "shaft",
+        "compare shaft.toml --repeats 1 --timeout T --out OUT",
+    ),
+    part(
+        "compare",
+        "carrier",
+        "compare carrier.toml --repeats 1 --timeout T --out OUT",
+    ),
+    part(
+        "compare",
+        "internal",
+        "compare internal.toml --repeats 1 --timeout T --out OUT",
+    ),
+    part(
+        "compare",
+        "bearing",
+        "compare bearing.toml --repeats 1 --timeout T --out OUT",
+    ),
+    part(
+        "compare",
+        "guide",
+        "compare guide.toml --repeats 1 --timeout T --out OUT",
+    ),
+    part(
+        "compare",
+        "half-space",
+        "compare half_space.toml --repeats 1 --timeout T --out OUT",
+    ),
+    part(
         "truncation",
         "impact",
         "truncation impact.toml --any-reference --models elastic,fe --counts 0,5,20 --repeats 1 --timeout T --out OUT",
@@ -85,6 +115,21 @@ const PARTS: &[Part] = &[
         "sweep",
         "loaded",
         "sweep loaded.toml --models rigid,movable-teeth,elastic,elastic-spin,fe --positions 6 --timeout T --out OUT",
+    ),
+    part(
+        "sweep",
+        "bearing",
+        "sweep bearing.toml --models rigid --positions 4 --timeout T --out OUT",
+    ),
+    part(
+        "run-up",
+        "run-up",
+        "run-up run_up.toml --out OUT",
+    ),
+    part(
+        "coupling",
+        "loaded",
+        "coupling loaded.toml --models rigid --steps 1e-6:1e-4:3 --threads 2 --timeout T --out OUT",
     ),
     part(
         "stability",
@@ -111,6 +156,25 @@ const PARTS: &[Part] = &[
         "loaded",
         "modes loaded.toml --models rigid,movable-teeth,elastic --count 12 --out OUT",
     ),
+    part("modes", "shaft", "modes shaft.toml --count 12 --out OUT"),
+    part("modes", "carrier", "modes carrier.toml --count 12 --out OUT"),
+    part("modes", "conical", "modes conical.toml --count 12 --out OUT"),
+    part("modes", "bearing", "modes bearing.toml --count 12 --out OUT"),
+    part(
+        "response",
+        "bearing",
+        "response bearing.toml --points 20 --phases 16 --out OUT",
+    ),
+    part(
+        "response",
+        "carrier",
+        "response carrier.toml --points 20 --phases 16 --out OUT",
+    ),
+    part(
+        "stiffness",
+        "conical",
+        "stiffness conical.toml --models rigid,movable-teeth,elastic --positions 4 --out OUT",
+    ),
     part(
         "stiffness",
         "loaded",
@@ -120,6 +184,16 @@ const PARTS: &[Part] = &[
         "reduce",
         "hammer",
         "reduce hammer.toml --modes 12 --out hammer.npz; compare reduced.toml --repeats 1 --timeout T --out OUT",
+    ),
+    part(
+        "reference",
+        "conical",
+        "reference conical.toml --model rigid --out OUT.csv",
+    ),
+    part(
+        "check",
+        "check",
+        "check check.toml --update --no-runtime --out OUT; check check.toml --no-runtime --out OUT",
     ),
     part(
         "mesh",
