@@ -24,7 +24,7 @@ fn runs() -> Vec<Run> {
     let labels = Some("rigid,movable-teeth,rigid-iso6336");
     let scene = scene_file::load_for("spur_impact", scene_file::Selection::Labels(labels));
     let mut scene = scene.unwrap_or_else(|e| panic!("{e:?}"));
-    let references = scene.held_of_the_scene(false).unwrap();
+    let references = scene.load_own_references(false).unwrap();
     let choices = scene.select(labels).unwrap();
     let plan = Plan {
         conditions: Conditions {

@@ -6,7 +6,7 @@
 //!
 //! **After steps** a scene may change the teeth in contact, which changes coordinates: it then requests an event.
 
-use crate::instance::{Done, Instance, Kind, Known, fail};
+use crate::instance::{CachedResults, CallResult, Instance, Kind, fail};
 use gearbench_integrators::system::Events;
 use gearbench_integrators::{SecondOrderSystem, State};
 
@@ -25,7 +25,7 @@ pub struct Update {
 }
 
 /// Refuses values that are not finite, and names the first one.
-fn numbers(what: &str, all: &[f64]) -> Done {
+fn numbers(what: &str, all: &[f64]) -> CallResult {
     match all.iter().position(|x| !x.is_finite()) {
         None => Ok(()),
         Some(i) => fail(format!("{what} {} is {}, expected a number", i + 1, all[i])),
@@ -37,7 +37,7 @@ impl Instance {
     ///
     /// # Errors
     /// The instance is of another kind, or the time is not finite.
-    pub fn set_time(&mut self, time: f64) -> Done {
+    pub fn set_time(&mut self, time: f64) -> CallResult {
         self.running(Kind::ModelExchange)?;
         if !time.is_finite() {
             return fail(format!("the time {time} is not a number"));
@@ -45,7 +45,7 @@ impl Instance {
         self.memory.state.t = self.in_scene(time);
         // What the host set holds now.
         self.memory.stale = true;
-        self.known = Known::default();
+        self.known = CachedResults::default();
         Ok(())
     }
 
@@ -53,7 +53,7 @@ impl Instance {
     ///
     /// # Errors
     /// The instance is of another kind, the number of states is wrong, or a value is not finite.
-    pub fn set_states(&mut self, x: &[f64]) -> Done {
+    pub fn set_states(&mut self, x: &[f64]) -> CallResult {
         self.running(Kind::ModelExchange)?;
         self.count(x.len())?;
         numbers("continuous state", x)?;
@@ -61,7 +61,7 @@ impl Instance {
         let (of_q, of_v) = x.split_at(q.len());
         q.copy_from_slice(of_q);
         v.copy_from_slice(of_v);
-        self.known = Known::default();
+        self.known = CachedResults::default();
         Ok(())
     }
 
@@ -69,7 +69,7 @@ impl Instance {
     ///
     /// # Errors
     /// The length of `x` is not the number of states.
-    pub fn states(&self, x: &mut [f64]) -> Done {
+    pub fn states(&self, x: &mut [f64]) -> CallResult {
         self.count(x.len())?;
         let State { q, v, .. } = &self.memory.state;
         let (of_q, of_v) = x.split_at_mut(q.len());
@@ -82,7 +82,7 @@ impl Instance {
     ///
     /// # Errors
     /// The length of `x` is not the number of states.
-    pub fn nominals(&self, x: &mut [f64]) -> Done {
+    pub fn nominals(&self, x: &mut [f64]) -> CallResult {
         self.count(x.len())?;
         let (q, v) = x.split_at_mut(self.memory.state.q.len());
         self.coupled.scene.scales(q, v);
@@ -99,7 +99,7 @@ impl Instance {
     ///
     /// # Errors
     /// The length of `x` is not the number of states, or a derivative is not finite.
-    pub fn derivatives(&mut self, x: &mut [f64]) -> Done {
+    pub fn derivatives(&mut self, x: &mut [f64]) -> CallResult {
         self.count(x.len())?;
         numbers("derivative of state", self.rates())?;
         x.copy_from_slice(self.rates());
@@ -110,7 +110,7 @@ impl Instance {
     ///
     /// # Errors
     /// The length of `z` is not the number of event functions.
-    pub fn event_functions(&mut self, z: &mut [f64]) -> Done {
+    pub fn event_functions(&mut self, z: &mut [f64]) -> CallResult {
         if z.len() != self.coupled.interface.event_functions {
             return fail(format!(
                 "{} event indicators, but there are {}",
@@ -123,7 +123,7 @@ impl Instance {
         Ok(())
     }
 
-    fn count(&self, n: usize) -> Done {
+    fn count(&self, n: usize) -> CallResult {
         match n == self.coupled.interface.states {
             true => Ok(()),
             false => fail(format!(
@@ -137,7 +137,7 @@ impl Instance {
     ///
     /// # Errors
     /// The instance is of another kind, or contacts chatter.
-    pub fn update(&mut self) -> Done<Update> {
+    pub fn update(&mut self) -> CallResult<Update> {
         self.running(Kind::ModelExchange)?;
         self.settle();
         let before = self.memory.state.clone();
@@ -155,11 +155,11 @@ impl Instance {
                 let scene = &mut self.coupled.scene;
                 scene.transition(&mut self.memory.state, event);
             }
-            self.known = Known::default();
+            self.known = CachedResults::default();
         }
         let state = &mut self.memory.state;
         self.coupled.scene.commit(state);
-        self.known = Known::default();
+        self.known = CachedResults::default();
         let next = self.coupled.scene.next_breakpoint(self.memory.state.t);
         let moved = self.memory.state.q != before.q || self.memory.state.v != before.v;
         let shift = self.time() - self.memory.state.t;
@@ -173,7 +173,7 @@ impl Instance {
     ///
     /// # Errors
     /// The instance is of another kind.
-    pub fn completed(&mut self) -> Done<bool> {
+    pub fn completed(&mut self) -> CallResult<bool> {
         self.running(Kind::ModelExchange)?;
         self.settle();
         let mut after = self.memory.state.clone();
@@ -184,7 +184,7 @@ impl Instance {
         }
         if after.discrete != state.discrete {
             state.discrete = after.discrete;
-            self.known = Known::default();
+            self.known = CachedResults::default();
         }
         Ok(false)
     }

@@ -13,9 +13,9 @@
 //!
 //! **Rollback.** A [`Snapshot`] contains all that the next step depends on, including the method with its history.
 
-use gearbench::fmu::coupled::{Acts, Coupled};
+use gearbench::fmu::coupled::{Coupled, InputQuantity};
 use gearbench::fmu::interface::{Interface, Quantity, Role};
-use gearbench::fmu::settings::{OpenError, Opened, open};
+use gearbench::fmu::settings::{OpenError, OpenedScene, open};
 use gearbench_integrators::system::{Events, Report};
 use gearbench_integrators::{Change, Integrator, NullSink, Outputs, Scheme, State, TimePlan, Work};
 use gearbench_models::spec::Profile;
@@ -48,15 +48,15 @@ impl fmt::Display for Failure {
 }
 
 /// Result of a call, with the message of a failure.
-pub type Done<T = ()> = Result<T, Failure>;
+pub type CallResult<T = ()> = Result<T, Failure>;
 
-pub(crate) fn fail<T>(why: impl Into<String>) -> Done<T> {
+pub(crate) fn fail<T>(why: impl Into<String>) -> CallResult<T> {
     Err(Failure(why.into()))
 }
 
 /// Inputs that the host set at a port: `[load, -]` or `[displacement, speed]`, now and at the end of the step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct Given {
+struct PortInput {
     now: [f64; 2],
     end: [f64; 2],
 }
@@ -80,7 +80,7 @@ pub(crate) struct Memory {
     shift: f64,
     /// Stop time of the host, if it defined one [s].
     stop: Option<f64>,
-    given: Vec<Given>,
+    given: Vec<PortInput>,
     interpolate: bool,
     /// Loads and prescribed motions that act in the scene, by port.
     applied: Vec<Profile>,
@@ -96,7 +96,7 @@ pub(crate) struct Memory {
 
 /// Results that are stored for the present state, until state or inputs change.
 #[derive(Default)]
-pub(crate) struct Known {
+pub(crate) struct CachedResults {
     pub(crate) outputs: Option<Outputs>,
     pub(crate) slopes: Option<[Vec<f64>; 2]>,
     pub(crate) rates: Option<Vec<f64>>,
@@ -117,7 +117,7 @@ pub struct Instance {
     events: bool,
     pub(crate) memory: Memory,
     method: Box<dyn Integrator>,
-    pub(crate) known: Known,
+    pub(crate) known: CachedResults,
 }
 
 impl Instance {
@@ -126,7 +126,7 @@ impl Instance {
     /// # Errors
     /// A resource is missing or was changed.
     pub fn open(kind: Kind, resources: &Path, token: &str) -> Result<Self, OpenError> {
-        let Opened {
+        let OpenedScene {
             coupled,
             scheme,
             events,
@@ -145,7 +145,7 @@ impl Instance {
             events: events || kind == Kind::ModelExchange,
             memory,
             method: scheme.method.build(),
-            known: Known::default(),
+            known: CachedResults::default(),
         };
         instance.apply_all();
         Ok(instance)
@@ -155,7 +155,7 @@ impl Instance {
     pub fn reset(&mut self) {
         self.memory = start(&self.coupled);
         self.method = self.scheme.method.build();
-        self.known = Known::default();
+        self.known = CachedResults::default();
         self.apply_all();
     }
 
@@ -174,7 +174,7 @@ impl Instance {
     ///
     /// # Errors
     /// The instance is initialised already, or the times are not finite or in the wrong order.
-    pub fn enter_initialisation(&mut self, time: f64, stop: Option<f64>) -> Done {
+    pub fn enter_initialisation(&mut self, time: f64, stop: Option<f64>) -> CallResult {
         if self.memory.phase != Phase::Instantiated {
             return fail("the instance is initialised already; reset it first");
         }
@@ -196,7 +196,7 @@ impl Instance {
     ///
     /// # Errors
     /// The instance is not initialised yet, or terminated already.
-    pub fn terminate(&mut self) -> Done {
+    pub fn terminate(&mut self) -> CallResult {
         self.running(self.kind)?;
         self.memory.phase = Phase::Terminated;
         Ok(())
@@ -206,7 +206,7 @@ impl Instance {
     ///
     /// # Errors
     /// The initialisation was not begun.
-    pub fn exit_initialisation(&mut self) -> Done {
+    pub fn exit_initialisation(&mut self) -> CallResult {
         if self.memory.phase != Phase::Initialising {
             return fail("the initialisation was not begun");
         }
@@ -219,7 +219,7 @@ impl Instance {
     ///
     /// # Errors
     /// The instance is of another kind, not initialised yet or terminated.
-    pub(crate) fn running(&self, kind: Kind) -> Done {
+    pub(crate) fn running(&self, kind: Kind) -> CallResult {
         if self.kind != kind {
             return fail("the call does not belong to this kind of instance");
         }
@@ -242,7 +242,7 @@ impl Instance {
         time - self.memory.shift
     }
 
-    fn role(&self, reference: u32) -> Done<Role> {
+    fn role(&self, reference: u32) -> CallResult<Role> {
         match self.coupled.interface.variables.get(reference as usize) {
             Some(variable) => Ok(variable.role),
             None => fail(format!("there is no variable with reference {reference}")),
@@ -253,7 +253,7 @@ impl Instance {
     ///
     /// # Errors
     /// The variable does not exist, or is not a number.
-    pub fn get(&mut self, reference: u32) -> Done<f64> {
+    pub fn get(&mut self, reference: u32) -> CallResult<f64> {
         let role = self.role(reference)?;
         self.settle();
         let n = self.memory.state.q.len();
@@ -277,7 +277,7 @@ impl Instance {
     ///
     /// # Errors
     /// The variable cannot be set, or the value is not finite.
-    pub fn set(&mut self, reference: u32, value: f64) -> Done {
+    pub fn set(&mut self, reference: u32, value: f64) -> CallResult {
         let role = self.role(reference)?;
         if !value.is_finite() {
             let name = &self.coupled.interface.variables[reference as usize].name;
@@ -301,7 +301,7 @@ impl Instance {
                 let n = q.len();
                 *(if i < n { &mut q[i] } else { &mut v[i - n] }) = value;
                 self.memory.begun = false;
-                self.known = Known::default();
+                self.known = CachedResults::default();
             }
             _ => {
                 let name = &self.coupled.interface.variables[reference as usize].name;
@@ -315,7 +315,7 @@ impl Instance {
     ///
     /// # Errors
     /// The variable is not a Boolean.
-    pub fn get_flag(&self, reference: u32) -> Done<bool> {
+    pub fn get_flag(&self, reference: u32) -> CallResult<bool> {
         match self.role(reference)? {
             Role::Interpolate => Ok(self.memory.interpolate),
             _ => fail(format!("variable {reference} is no Boolean")),
@@ -326,7 +326,7 @@ impl Instance {
     ///
     /// # Errors
     /// The variable is not a Boolean, or the initialisation has ended.
-    pub fn set_flag(&mut self, reference: u32, value: bool) -> Done {
+    pub fn set_flag(&mut self, reference: u32, value: bool) -> CallResult {
         match (self.role(reference)?, self.memory.phase) {
             (Role::Interpolate, Phase::Running) => {
                 fail("`interpolate` can only be set before the end of the initialisation")
@@ -343,7 +343,7 @@ impl Instance {
     ///
     /// # Errors
     /// The step begins at another time than the present one, exceeds the stop time, or fails in the method.
-    pub fn step(&mut self, from: f64, size: f64) -> Done<f64> {
+    pub fn step(&mut self, from: f64, size: f64) -> CallResult<f64> {
         self.running(Kind::CoSimulation)?;
         if !(size > 0.0 && size.is_finite()) {
             return fail(format!(
@@ -368,7 +368,9 @@ impl Instance {
         let to = self.in_scene(from + size);
         match self.memory.interpolate {
             true => self.apply(|acts, given| piece(acts, given, [here, to])),
-            false if self.memory.stale => self.apply(|acts, given| held(acts, given, here)),
+            false if self.memory.stale => {
+                self.apply(|acts, given| constant_profile(acts, given, here))
+            }
             false => {}
         }
         let change = match std::mem::take(&mut self.memory.changed) {
@@ -379,7 +381,7 @@ impl Instance {
             events: self.events,
             ..TimePlan::new(to, self.scheme.resolution)
         };
-        self.known = Known::default();
+        self.known = CachedResults::default();
         self.memory.begun = true;
         self.memory.ran = true;
         let Memory { state, .. } = &mut self.memory;
@@ -402,7 +404,7 @@ impl Instance {
     pub fn restore(&mut self, snapshot: &Snapshot) {
         self.memory = snapshot.memory.clone();
         self.method = snapshot.method.duplicate();
-        self.known = Known::default();
+        self.known = CachedResults::default();
         // What the scene keeps for a method belongs to a run.
         self.memory.begun &= self.memory.ran;
         self.apply_all();
@@ -412,7 +414,7 @@ impl Instance {
     pub(crate) fn settle(&mut self) {
         if self.memory.stale {
             let t = self.memory.state.t;
-            self.apply(|acts, given| held(acts, given, t));
+            self.apply(|acts, given| constant_profile(acts, given, t));
         }
         if !self.memory.begun {
             self.coupled
@@ -433,7 +435,7 @@ impl Instance {
     }
 
     /// Applies the profiles of loads and motions that `of` derives from the inputs.
-    fn apply(&mut self, of: impl Fn(Acts, &Given) -> Profile) {
+    fn apply(&mut self, of: impl Fn(InputQuantity, &PortInput) -> Profile) {
         let t = self.memory.state.t;
         let (mut jumped, mut shaken) = (false, Vec::new());
         for (i, port) in self.coupled.ports.iter().enumerate() {
@@ -444,7 +446,7 @@ impl Instance {
             if new == *old {
                 continue;
             }
-            if port.acts == Acts::Motion {
+            if port.acts == InputQuantity::Motion {
                 let apart = |a: f64, b: f64| (a - b).abs() > JUMP * a.abs().max(1.0);
                 jumped |= apart(new.integral(t), old.integral(t));
                 jumped |= apart(new.value(t), old.value(t));
@@ -452,7 +454,7 @@ impl Instance {
             }
             self.memory.applied[i] = new;
             self.memory.changed = true;
-            self.known = Known::default();
+            self.known = CachedResults::default();
         }
         self.memory.stale = false;
         // A host of model exchange looks at many times of one step.
@@ -463,7 +465,7 @@ impl Instance {
         // A host of model exchange has the states, and says what it knows of a motion at each of them anew.
         if self.kind == Kind::CoSimulation && self.memory.phase == Phase::Running {
             for (member, motion, jump) in shaken {
-                self.shake(member, &motion, jump);
+                self.apply_speed_jump(member, &motion, jump);
             }
         }
         self.apply_all();
@@ -473,8 +475,8 @@ impl Instance {
         for (port, profile) in self.coupled.ports.iter().zip(&self.memory.applied) {
             let profile = profile.clone();
             match port.acts {
-                Acts::Load(place) => self.coupled.scene.apply(port.member, place, profile),
-                Acts::Motion => self.coupled.scene.drive(port.member, profile),
+                InputQuantity::Load(place) => self.coupled.scene.apply(port.member, place, profile),
+                InputQuantity::Motion => self.coupled.scene.drive(port.member, profile),
             }
         }
     }
@@ -482,13 +484,13 @@ impl Instance {
 
 /// The initial state of the scene.
 fn start(coupled: &Coupled) -> Memory {
-    let given: Vec<Given> = (coupled.ports.iter())
+    let given: Vec<PortInput> = (coupled.ports.iter())
         .map(|port| {
             let now = match port.acts {
-                Acts::Load(_) => [0.0; 2],
-                Acts::Motion => [0.0, port.speed],
+                InputQuantity::Load(_) => [0.0; 2],
+                InputQuantity::Motion => [0.0, port.speed],
             };
-            Given { now, end: now }
+            PortInput { now, end: now }
         })
         .collect();
     let ports = coupled.ports.iter().zip(&given);
@@ -498,7 +500,7 @@ fn start(coupled: &Coupled) -> Memory {
         shift: 0.0,
         stop: None,
         applied: ports
-            .map(|(port, given)| held(port.acts, given, 0.0))
+            .map(|(port, given)| constant_profile(port.acts, given, 0.0))
             .collect(),
         given,
         interpolate: false,
@@ -510,8 +512,8 @@ fn start(coupled: &Coupled) -> Memory {
 }
 
 /// The stored value of an input.
-fn place(given: &mut Given, quantity: Quantity, end: bool) -> &mut f64 {
-    let Given { now, end: last } = given;
+fn place(given: &mut PortInput, quantity: Quantity, end: bool) -> &mut f64 {
+    let PortInput { now, end: last } = given;
     let of = if end { last } else { now };
     match quantity {
         Quantity::Load | Quantity::Place => &mut of[0],
@@ -520,11 +522,11 @@ fn place(given: &mut Given, quantity: Quantity, end: bool) -> &mut f64 {
 }
 
 /// The profile of an input that is constant from a time on.
-fn held(acts: Acts, given: &Given, t: f64) -> Profile {
+fn constant_profile(acts: InputQuantity, given: &PortInput, t: f64) -> Profile {
     let [a, b] = given.now;
     match acts {
-        Acts::Load(_) => Profile::Constant(a),
-        Acts::Motion => Profile::Polynomial {
+        InputQuantity::Load(_) => Profile::Constant(a),
+        InputQuantity::Motion => Profile::Polynomial {
             from: t,
             integral: [a, b, 0.0, 0.0],
         },
@@ -532,10 +534,10 @@ fn held(acts: Acts, given: &Given, t: f64) -> Profile {
 }
 
 /// The profile of an input that varies to its value at the end of a step.
-fn piece(acts: Acts, given: &Given, times: [f64; 2]) -> Profile {
+fn piece(acts: InputQuantity, given: &PortInput, times: [f64; 2]) -> Profile {
     match acts {
-        Acts::Load(_) if given.now[0] == given.end[0] => Profile::Constant(given.now[0]),
-        Acts::Load(_) => Profile::line(times, [given.now[0], given.end[0]]),
-        Acts::Motion => Profile::motion(times, given.now, given.end),
+        InputQuantity::Load(_) if given.now[0] == given.end[0] => Profile::Constant(given.now[0]),
+        InputQuantity::Load(_) => Profile::line(times, [given.now[0], given.end[0]]),
+        InputQuantity::Motion => Profile::motion(times, given.now, given.end),
     }
 }

@@ -10,7 +10,7 @@ const SHAKE: f64 = 1e6;
 impl Instance {
     /// Changes speeds by a jump of the speed of a hub: `M^-1 df/da` times the jump, with the accelerations `a` that a motion
     /// prescribes. Bodies whose coordinates do not move in the frame of the hub stay as they are.
-    pub(crate) fn shake(&mut self, member: usize, motion: &Profile, jump: f64) {
+    pub(crate) fn apply_speed_jump(&mut self, member: usize, motion: &Profile, jump: f64) {
         if jump == 0.0 {
             return;
         }

@@ -5,7 +5,7 @@
 //! velocities and dampers contribute in all orders. With `d` a small share of the time scale of the forces, both
 //! truncation, `(w d)^2`, and rounding stay near 1e-6.
 
-use crate::instance::{Done, Instance, Kind, fail};
+use crate::instance::{CallResult, Instance, Kind, fail};
 use gearbench::fmu::interface::Role;
 use gearbench_integrators::system::Report;
 use gearbench_integrators::{Outputs, SecondOrderSystem, State, StateView};
@@ -51,7 +51,7 @@ impl Instance {
     ///
     /// # Errors
     /// The order is not one or two, or the variable is not an output.
-    pub fn slope(&mut self, reference: u32, order: i32) -> Done<f64> {
+    pub fn slope(&mut self, reference: u32, order: i32) -> CallResult<f64> {
         self.running(Kind::CoSimulation)?;
         let variable = self.coupled.interface.variables.get(reference as usize);
         let Some(&Role::Output(channel)) = variable.map(|v| &v.role) else {

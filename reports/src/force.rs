@@ -115,8 +115,8 @@ impl ForceHistory {
     }
 
     /// Computes greatest force \[N\], impulse \[N s\] and time in contact \[s\] between two times \[s\].
-    pub fn within(&self, from: f64, to: f64) -> Within {
-        let mut all = Within::default();
+    pub fn within(&self, from: f64, to: f64) -> ForceSummary {
+        let mut all = ForceSummary::default();
         for p in self.until(to).iter().filter(|p| p.end > from) {
             // Nodes lie far closer than anything swings; between them a polynomial may overshoot a kink.
             let first = p.at(p.start.max(from));
@@ -150,7 +150,7 @@ impl ForceHistory {
 
 /// Peak, impulse and contact time of a force between two times.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Within {
+pub struct ForceSummary {
     /// Greatest force \[N\].
     pub peak_n: f64,
     /// Integral of the force over time \[N s\].
@@ -341,7 +341,7 @@ mod tests {
             (w.impulse_ns - (2.0 - 4.0 / 3.0 * 0.875 + 2.5)).abs() < 1e-13,
             "{w:?}"
         );
-        assert_eq!(history.within(2.0, 3.0), Within::default());
+        assert_eq!(history.within(2.0, 3.0), ForceSummary::default());
         assert!((history.within(0.0, 9.0).peak_n - 4.0).abs() < 1e-14);
     }
 

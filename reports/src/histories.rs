@@ -116,7 +116,7 @@ impl Histories {
 }
 
 /// Formats one cell of the table of tooth pairs.
-type Text<'c> = &'c dyn Fn(&&PairSample) -> String;
+type CellFormat<'c> = &'c dyn Fn(&&PairSample) -> String;
 
 fn pairs(samples: &[PairSample]) -> CsvTable {
     let of = |k: usize, value: fn(&SprungTooth) -> f64| {
@@ -126,7 +126,7 @@ fn pairs(samples: &[PairSample]) -> CsvTable {
     let tangential = [0, 1].map(|k| of(k, |t| t.tangential_n));
     let spring = [0, 1].map(|k| of(k, |t| t.spring_n));
     let deflection = [0, 1].map(|k| of(k, |t| t.deflection));
-    let mut columns: Vec<(&str, Text<'_>)> = vec![
+    let mut columns: Vec<(&str, CellFormat<'_>)> = vec![
         ("time_s", &|s| number(s.time_s)),
         ("mesh", &|s| s.mesh.to_string()),
         ("tooth_1", &|s| s.teeth[0].to_string()),
@@ -136,7 +136,7 @@ fn pairs(samples: &[PairSample]) -> CsvTable {
     // Only models whose teeth move have more.
     if samples.iter().any(|s| !no_tooth_moves(&s.sprung)) {
         columns.extend([
-            ("tooth_radial_force_1_n", &radial[0] as Text<'_>),
+            ("tooth_radial_force_1_n", &radial[0] as CellFormat<'_>),
             ("tooth_radial_force_2_n", &radial[1]),
             ("tooth_tangential_force_1_n", &tangential[0]),
             ("tooth_tangential_force_2_n", &tangential[1]),

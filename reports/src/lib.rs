@@ -25,7 +25,7 @@ pub use csv_table::CsvTable;
 pub use drawing::{Chart, DrawError};
 pub use force::ForceHistory;
 pub use histories::{ContactEvent, Histories, PairSample, SprungTooth};
-pub use metrics::{Finished, Metric, Unfinished, compare};
+pub use metrics::{FinishedRun, Metric, UnfinishedRun, compare};
 pub use record::{
     ContactPoint, ContactSnapshot, DeformedSection, FlankGrid, FlankLoad, FlankPatch, FlankValue,
     Ledger, Machine, Metrics, Outline, Part, ReferenceSeries, Results, Run, SCHEMA, Status, Study,
@@ -34,8 +34,8 @@ pub use record::{
 pub use series::{Column, TimeSeries, decimate};
 pub use store::{RECORD, ReportError, load_results, report_from, write_results};
 pub use studies::choose::{
-    Adequacy, ChoiceRecord, ChooseRecord, ForceStatistics, LevelRecord, ReferenceDistance,
-    TriedRecord, Verdict,
+    Adequacy, CandidateRecord, ChoiceRecord, ChooseRecord, ForceStatistics, LevelRecord,
+    ReferenceDistance, Verdict,
 };
 pub use studies::{
     StudyReport, check, choice_check, compare as comparison, coupling, finding, identify,

@@ -175,7 +175,7 @@ impl TimeSeries {
     /// Returns a series of at most about `6 * buckets` samples that keeps the extrema of each standard column in every
     /// bucket of time.
     #[must_use]
-    pub fn thinned(&self, buckets: usize) -> Self {
+    pub fn decimated(&self, buckets: usize) -> Self {
         if buckets == 0 || self.len() <= 6 * buckets || self.validate().is_err() {
             return Self {
                 force: None,
@@ -195,11 +195,11 @@ impl TimeSeries {
         self.select(&keep)
     }
 
-    /// Returns a thinned series as [`TimeSeries::thinned`] does, but with every sample whose time lies in `window`
+    /// Returns a decimated series as [`TimeSeries::decimated`] does, but with every sample whose time lies in `window`
     /// \[s\]: charts show a part of a long history in close-up.
     #[must_use]
-    pub fn thinned_around(&self, buckets: usize, window: [f64; 2]) -> Self {
-        let thin = self.thinned(buckets);
+    pub fn decimated_around(&self, buckets: usize, window: [f64; 2]) -> Self {
+        let thin = self.decimated(buckets);
         if thin.len() == self.len() {
             return thin;
         }
@@ -353,7 +353,7 @@ mod tests {
                 (x * 0.05).sin(),
             );
         }
-        let thin = s.thinned(200);
+        let thin = s.decimated(200);
         assert!(thin.len() <= 1202);
         thin.validate().unwrap();
         for ((_, a), (_, b)) in s.named_columns().zip(thin.named_columns()) {
@@ -397,7 +397,7 @@ mod tests {
             let t = f64::from(i) * 1e-4;
             long.push(t, (300.0 * t).sin(), t, -t);
         }
-        let thin = long.thinned_around(20, [0.1, 0.12]);
+        let thin = long.decimated_around(20, [0.1, 0.12]);
         let count = |s: &TimeSeries| {
             s.time_s
                 .iter()

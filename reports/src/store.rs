@@ -191,7 +191,7 @@ fn runs_with_files(results: &Results) -> Vec<usize> {
         return (0..results.runs.len()).collect();
     }
     let view = View::new(results);
-    let kept = view.groups.iter().filter_map(|g| view.kept(g));
+    let kept = view.groups.iter().filter_map(|g| view.stored_run(g));
     kept.map(|(i, _)| *i).collect()
 }
 

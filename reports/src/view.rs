@@ -249,7 +249,7 @@ impl<'a> View<'a> {
     }
 
     /// Returns the run whose histories are written to files, as [`View::drawn`], but by work instead of time.
-    pub fn kept<'g>(&self, group: &'g Group<'a>) -> Option<&'g (usize, &'a Run)> {
+    pub fn stored_run<'g>(&self, group: &'g Group<'a>) -> Option<&'g (usize, &'a Run)> {
         self.drawn_by(group, |r| r.force_evaluations as f64)
     }
 

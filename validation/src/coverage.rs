@@ -12,7 +12,7 @@ use gearbench::experiment::runner::Runner;
 use gearbench::models::models;
 use gearbench::scene_file::calibration::{Constants, GAP};
 use gearbench::scene_file::{self, Selection};
-use gearbench::studies::identify::{CLOCK, Data, DataSet, FitPlan, Wishes, identify, modelled};
+use gearbench::studies::identify::{CLOCK, Data, DataSet, FitOptions, FitPlan, identify, modelled};
 use gearbench_reference::reference;
 use gearbench_reports::identify::Outcome;
 use std::fmt::Write as _;
@@ -81,7 +81,7 @@ pub fn check(plan: &Plan, mut done: impl FnMut(usize)) -> Result<Vec<Row>, Valid
     let other = |e: &dyn std::fmt::Display| ValidationError::Other(e.to_string());
     let labels = Some(plan.model.as_str());
     let scene = scene_file::load_for(&plan.scene, Selection::Labels(labels))
-        .map_err(|e| other(&e.told()))?;
+        .map_err(|e| other(&e.to_text()))?;
     let choice = scene.model(&plan.model);
     let id = scene.reference().and_then(|r| r.stored());
     let truth = choice.and_then(|c| c.calibration.as_ref()?.constants.clone());
@@ -105,7 +105,7 @@ pub fn check(plan: &Plan, mut done: impl FnMut(usize)) -> Result<Vec<Row>, Valid
         models: models(),
         data: vec![set.clone()],
         held_out: Vec::new(),
-        wishes: Wishes::default(),
+        wishes: FitOptions::default(),
     };
     let model = modelled(&fit, &set, &truth, 0.0).map_err(|e| other(&e))?;
     let residuals: Vec<f64> = model.iter().zip(measured).map(|(a, b)| b - a).collect();
@@ -131,12 +131,12 @@ pub fn check(plan: &Plan, mut done: impl FnMut(usize)) -> Result<Vec<Row>, Valid
                 },
                 ..set.clone()
             }],
-            wishes: Wishes {
+            wishes: FitOptions {
                 fit: Some(keys.clone()),
                 held: vec![(GAP.into(), gap)],
                 // The valley is known: what is checked are intervals, not the search for it.
                 starts: truth.by_key(),
-                ..Wishes::default()
+                ..FitOptions::default()
             },
             ..fit.clone()
         };

@@ -14,7 +14,7 @@ use gearbench::models::models;
 use gearbench::scene_file::calibration::Constants;
 use gearbench::scene_file::{self, ModelChoice, SceneFile, Selection};
 use gearbench::studies::identify::{
-    DataSet, FitPlan, Identification, IdentifyError, Wishes, apply, identify,
+    DataSet, FitOptions, FitPlan, Identification, IdentifyError, apply, identify,
 };
 use gearbench_models::gear::table::properties_of;
 use gearbench_models::scene::Scene;
@@ -25,11 +25,11 @@ use gearbench_models::stiffness::{Foundation, Hertz, IsoVariation, PairStiffness
 use gearbench_reference::statics::{Load, LoadedPair, MeshCycle};
 use std::fmt::Display;
 
+mod fit_specs;
 mod tables;
-mod wanted;
 
+use fit_specs::{FitSpec, WANTED, of_gears};
 pub use tables::markdown;
-use wanted::{WANTED, Wanted, of_gears};
 
 /// Speeds relative to that of the scene; constants are fitted to the first.
 const SPEEDS: [f64; 3] = [1.0, 1.0 / 3.0, 3.0];
@@ -45,7 +45,7 @@ const PUBLISHED: [f64; 2] = [5.6e7, 3.6e9];
 const N_PER_MM_UM: f64 = 1e9;
 
 /// A model fitted to finite elements.
-pub struct Fitted {
+pub struct FittedModel {
     /// Name of the fit: model and free constants.
     pub name: &'static str,
     /// Result of the identification, with the held-out speeds.
@@ -67,11 +67,11 @@ pub struct Stiffness {
 }
 
 /// Results of one scene: fits and stiffnesses.
-pub struct Carried {
+pub struct SceneFits {
     /// Name of the scene.
     pub scene: String,
     /// The fitted models of the scene.
-    pub fits: Vec<Fitted>,
+    pub fits: Vec<FittedModel>,
     /// The rows of the table of stiffnesses.
     pub stiffnesses: Vec<Stiffness>,
 }
@@ -87,10 +87,10 @@ fn other(e: &dyn Display) -> ValidationError {
 pub fn carry(
     name: &str,
     runner: &Runner<'_>,
-    say: &dyn Fn(&str),
-) -> Result<Carried, ValidationError> {
+    print: &dyn Fn(&str),
+) -> Result<SceneFits, ValidationError> {
     let scene =
-        scene_file::load_uncalibrated(name, Selection::None).map_err(|e| other(&e.told()))?;
+        scene_file::load_uncalibrated(name, Selection::None).map_err(|e| other(&e.to_text()))?;
     let full = |c: &&ModelChoice| properties_of(models(), &c.model).full_order;
     // Those of the plain name come first: others show what their contact does.
     let named = scene.model("fe").filter(full);
@@ -103,11 +103,11 @@ pub fn carry(
     let mut data = Vec::new();
     for factor in SPEEDS {
         let set = history(&scene, fe, factor, runner)?;
-        say(&format!("{name}: {}", set.name));
+        print(&format!("{name}: {}", set.name));
         data.push(set);
     }
     let mut fits = Vec::new();
-    for Wanted {
+    for FitSpec {
         name: label,
         model,
         keys,
@@ -130,25 +130,25 @@ pub fn carry(
             models: models(),
             data: data[..1].to_vec(),
             held_out: data[1..].to_vec(),
-            wishes: Wishes {
+            wishes: FitOptions {
                 fit,
                 held,
-                ..Wishes::default()
+                ..FitOptions::default()
             },
         };
         let found = identify(&plan, runner, |_, _| {}).map_err(|e: IdentifyError| other(&e))?;
-        say(&format!(
+        print(&format!(
             "{name}: {label} fitted, {} trials",
             found.record.evaluations
         ));
-        fits.push(Fitted {
+        fits.push(FittedModel {
             name: label,
             found,
             modelling,
         });
     }
     let stiffnesses = stiffnesses(&scene, fe, rigid, &fits)?;
-    Ok(Carried {
+    Ok(SceneFits {
         scene: name.into(),
         fits,
         stiffnesses,
@@ -220,7 +220,7 @@ fn stiffnesses(
     scene: &SceneFile,
     fe: &ModelChoice,
     rigid: &ModelChoice,
-    fits: &[Fitted],
+    fits: &[FittedModel],
 ) -> Result<Vec<Stiffness>, ValidationError> {
     let spec = scene.spec_for(rigid);
     let [a, b] = spec.meshes[0].gears.map(|i| &spec.gears[i]);
@@ -315,7 +315,7 @@ fn stiffnesses(
 pub const BARS: [f64; 4] = [0.04, 0.03, 0.005, 0.08];
 
 /// True if the errors of a fit are within [`BARS`].
-pub fn keeps(fit: &Fitted) -> bool {
+pub fn is_within_bars(fit: &FittedModel) -> bool {
     fit.found.record.data.iter().all(|d| {
         let within = |x: Option<f64>, bar: f64| x.is_none_or(|x| x.abs() <= bar);
         match d.validation {

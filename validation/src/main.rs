@@ -26,12 +26,12 @@ mod validate;
 use arguments::{Cli, Command};
 use campaign::{Plan, check};
 use clap::Parser;
-use gearbench::cli::answer::Answer;
 use gearbench::cli::arguments::Output;
+use gearbench::cli::command_result::CommandResult;
 use gearbench::cli::exit::Exit;
 use gearbench::cli::progress::Display;
 use gearbench::cli::study_folder::StudyFolder;
-use gearbench::cli::terminal::{self, Refusal, put, say};
+use gearbench::cli::terminal::{self, Refusal, print_line, print_text};
 use gearbench::experiment::conditions::silent;
 use gearbench::experiment::journal::{JOURNAL, Journal, Subject};
 use gearbench::experiment::machine;
@@ -54,7 +54,7 @@ const COVERAGE: [f64; 2] = [0.90, 0.99];
 
 fn main() -> ExitCode {
     cache::choose(Cache::standard());
-    let told = terminal::told("gearbench-validation");
+    let told = terminal::command_line("gearbench-validation");
     let done = match Cli::parse().command {
         Command::Sample { scene } => print(&scene.0, scene.1),
         Command::Run(args) => validate(&args, &told),
@@ -68,7 +68,7 @@ fn main() -> ExitCode {
 }
 
 /// Runs both commands on each scene in turn, and writes the table after each.
-fn agree(args: &arguments::Agreement) -> Result<Answer, Refusal> {
+fn agree(args: &arguments::Agreement) -> Result<CommandResult, Refusal> {
     let [first, last] = args.scenes.unwrap_or([1, agreement::SCENES]);
     let fail = |e: std::io::Error| Refusal::Files(format!("{}: {e}", args.out.display()));
     if last > agreement::SCENES {
@@ -84,7 +84,7 @@ fn agree(args: &arguments::Agreement) -> Result<Answer, Refusal> {
         let of = agreement::scene(number);
         let folder = args.out.join(format!("scene-{number:02}"));
         let row = agreement::compare_answers(&of, &program, &folder).map_err(fail)?;
-        say(&format!(
+        print_line(&format!(
             "scene {number}, {}: {}",
             row.kind,
             match row.contradictions.is_empty() {
@@ -97,38 +97,38 @@ fn agree(args: &arguments::Agreement) -> Result<Answer, Refusal> {
     }
     let contradicted = rows.iter().filter(|r| !r.contradictions.is_empty()).count();
     let undecided = |i: usize| rows.iter().filter(|r| r.undecided()[i]).count();
-    say(&format!(
+    print_line(&format!(
         "{} scenes, {contradicted} with a contradiction; not decided by compare {}, by choose {}",
         rows.len(),
         undecided(0),
         undecided(1)
     ));
-    say(&format!("table: {}", file.display()));
-    Ok(Answer::done().ending(match contradicted {
+    print_line(&format!("table: {}", file.display()));
+    Ok(CommandResult::done().ending(match contradicted {
         0 => Exit::Done,
         _ => Exit::FellShort,
     }))
 }
 
 /// Measures the figures of the documents again and writes them into the documents.
-fn quote(args: &arguments::Figures) -> Result<Answer, Refusal> {
+fn quote(args: &arguments::Figures) -> Result<CommandResult, Refusal> {
     let root = figures::repository();
     let mut stored = figures::Figures::load(&root).map_err(Refusal::Failed)?;
     if !args.text {
         let program = agreement::next_to_this();
         stored
-            .measure(&root, &args.sources, &program, &say)
+            .measure(&root, &args.sources, &program, &print_line)
             .map_err(Refusal::Failed)?;
     }
     let changed = stored.write(&root).map_err(Refusal::Failed)?;
     for difference in &changed {
-        say(&difference.to_string());
+        print_line(&difference.to_string());
     }
-    say(&format!(
+    print_line(&format!(
         "{} figures of the documents changed",
         changed.len()
     ));
-    Ok(Answer::done())
+    Ok(CommandResult::done())
 }
 
 fn refuse_sample(e: SampleError) -> Refusal {
@@ -150,15 +150,15 @@ fn refuse(e: ValidationError) -> Refusal {
 }
 
 /// Prints a random scene as a scene file.
-fn print(set: &str, number: usize) -> Result<Answer, Refusal> {
+fn print(set: &str, number: usize) -> Result<CommandResult, Refusal> {
     let set = sampling::set(set).map_err(refuse_sample)?;
     let sample = sampling::sample(&set, number).map_err(refuse_sample)?;
-    put(sample.text.trim_end());
-    Ok(Answer::done())
+    print_text(sample.text.trim_end());
+    Ok(CommandResult::done())
 }
 
 /// Compares elastic gears with full finite elements and writes a table.
-fn reduce(args: &arguments::Reduction) -> Result<Answer, Refusal> {
+fn reduce(args: &arguments::Reduction) -> Result<CommandResult, Refusal> {
     let set = sampling::set(&args.set).map_err(refuse_sample)?;
     let [first, last] = args.scenes.unwrap_or([1, set.scenes]);
     // A campaign of hours that is killed goes on with the same command.
@@ -174,7 +174,7 @@ fn reduce(args: &arguments::Reduction) -> Result<Answer, Refusal> {
     let mut rows = Vec::new();
     for number in first..=last {
         let row = reduction::compare(&set, number, &runner).map_err(refuse)?;
-        say(&format!(
+        print_line(&format!(
             "{}: {}, {}, force {}",
             row.scene,
             row.kind,
@@ -191,18 +191,18 @@ fn reduce(args: &arguments::Reduction) -> Result<Answer, Refusal> {
     std::fs::remove_file(&kept).map_err(|e| Refusal::Files(format!("{}: {e}", kept.display())))?;
     let ended = rows.iter().filter(|r| r.ended()).count();
     let within = rows.iter().filter(|r| r.is_within()).count();
-    say(&format!(
+    print_line(&format!(
         "{} scenes (seed {}): {ended} ended both ways, {within} within {} %",
         rows.len(),
         set.seed,
         100.0 * reduction::LIMIT
     ));
     let enough = within as f64 >= ASKED.0 * rows.len() as f64 && ended == rows.len();
-    Ok(Answer::done().ending(if enough { Exit::Done } else { Exit::FellShort }))
+    Ok(CommandResult::done().ending(if enough { Exit::Done } else { Exit::FellShort }))
 }
 
 /// Checks the coverage of intervals on synthetic data and writes a table.
-fn cover(args: &arguments::Coverage) -> Result<Answer, Refusal> {
+fn cover(args: &arguments::Coverage) -> Result<CommandResult, Refusal> {
     let plan = coverage::Plan {
         scene: args.scene.clone(),
         model: args.model.clone(),
@@ -210,13 +210,15 @@ fn cover(args: &arguments::Coverage) -> Result<Answer, Refusal> {
         seed: args.seed,
     };
     let display = Display::new(plan.sets);
-    let rows = coverage::check(&plan, |done| display.tell(done, plan.sets, "fitted"));
+    let rows = coverage::check(&plan, |done| {
+        display.report_progress(done, plan.sets, "fitted")
+    });
     drop(display);
     let rows = rows.map_err(refuse)?;
     write_to(&args.out, &coverage::csv(&plan, &rows))?;
     let found = coverage::coverage(&rows);
     for (key, part, open) in &found {
-        say(&format!(
+        print_line(&format!(
             "{key}: the 95 % interval contains the true value in {:.1} % of {} sets; {open} times not identifiable",
             100.0 * part,
             plan.sets
@@ -224,11 +226,11 @@ fn cover(args: &arguments::Coverage) -> Result<Answer, Refusal> {
     }
     let [low, high] = COVERAGE;
     let good = found.iter().all(|(_, part, _)| (low..=high).contains(part));
-    Ok(Answer::done().ending(if good { Exit::Done } else { Exit::FellShort }))
+    Ok(CommandResult::done().ending(if good { Exit::Done } else { Exit::FellShort }))
 }
 
 /// Fits models to full finite elements, compares them with these at other speeds, and writes the tables.
-fn carry(args: &arguments::Identification, command: &str) -> Result<Answer, Refusal> {
+fn carry(args: &arguments::Identification, command: &str) -> Result<CommandResult, Refusal> {
     let kept = args.out.with_extension(JOURNAL);
     let subject = Subject {
         study: "validation".into(),
@@ -240,15 +242,20 @@ fn carry(args: &arguments::Identification, command: &str) -> Result<Answer, Refu
     let runner = Runner::new(journal, &silent);
     let mut all = Vec::new();
     for scene in &args.scenes {
-        all.push(identification::carry(scene, &runner, &say).map_err(refuse)?);
+        all.push(identification::carry(scene, &runner, &print_line).map_err(refuse)?);
     }
     let text = identification::markdown(&all, command);
-    put(&text);
+    print_text(&text);
     write_to(&args.out, &text)?;
     std::fs::remove_file(&kept).map_err(|e| Refusal::Files(format!("{}: {e}", kept.display())))?;
-    let movable = |f: &&identification::Fitted| !f.name.starts_with("rigid");
-    let good = (all.iter()).all(|c| c.fits.iter().filter(movable).any(identification::keeps));
-    Ok(Answer::done().ending(if good { Exit::Done } else { Exit::FellShort }))
+    let movable = |f: &&identification::FittedModel| !f.name.starts_with("rigid");
+    let good = (all.iter()).all(|c| {
+        c.fits
+            .iter()
+            .filter(movable)
+            .any(identification::is_within_bars)
+    });
+    Ok(CommandResult::done().ending(if good { Exit::Done } else { Exit::FellShort }))
 }
 
 fn write_to(path: &std::path::Path, text: &str) -> Result<(), Refusal> {
@@ -256,7 +263,7 @@ fn write_to(path: &std::path::Path, text: &str) -> Result<(), Refusal> {
 }
 
 /// Validates choices on a set of random scenes and writes the results.
-fn validate(args: &arguments::Run, command: &str) -> Result<Answer, Refusal> {
+fn validate(args: &arguments::Run, command: &str) -> Result<CommandResult, Refusal> {
     let name = args.set.as_str();
     let mut set = sampling::set(name).map_err(refuse_sample)?;
     set.full_order = args.full_order.unwrap_or(set.full_order);
@@ -283,7 +290,7 @@ fn validate(args: &arguments::Run, command: &str) -> Result<Answer, Refusal> {
     let total = scenes[1] - scenes[0] + 1;
     let display = Display::new(total);
     let choices = check(&plan, &runner, |row, done| {
-        display.tell(done, total, &format!("{}: {}", row.scene, row.outcome));
+        display.report_progress(done, total, &format!("{}: {}", row.scene, row.outcome));
     });
     drop(display);
     let mut choices = choices.map_err(refuse)?;
@@ -321,7 +328,7 @@ fn validate(args: &arguments::Run, command: &str) -> Result<Answer, Refusal> {
     let path = folder.path().join("candidates.csv");
     std::fs::write(&path, candidates)
         .map_err(|e| Refusal::Files(format!("{}: {e}", path.display())))?;
-    say(&format!("candidates: {}", path.display()));
+    print_line(&format!("candidates: {}", path.display()));
     Ok(answer)
 }
 
@@ -341,7 +348,7 @@ fn summarise(results: &Results) {
     let all: Vec<&ValidatedChoice> = results.choices().iter().collect();
     for s in gearbench_reports::choice_check::shares(results.choices()) {
         let number = |x: Option<f64>| x.map_or_else(|| "-".into(), |x| format!("{x:.2}"));
-        say(&format!(
+        print_line(&format!(
             "{:24} {:3} scenes  met {:3} ({} rightly none)  cost ratio {} (90 % below {})  predicted/true error {}",
             s.name,
             s.scenes,
@@ -353,7 +360,7 @@ fn summarise(results: &Results) {
         ));
     }
     for row in all.iter().filter(|r| !r.outcome.is_met()) {
-        say(&format!(
+        print_line(&format!(
             "{}: {}, {} {} to {} %: {} [{}]",
             row.scene,
             row.outcome,
@@ -369,7 +376,7 @@ fn summarise(results: &Results) {
         .filter(|r| r.outcome == Outcome::NotValidated)
         .count();
     if unvalidated > 0 {
-        say(&format!("{unvalidated} scenes could not be validated"));
+        print_line(&format!("{unvalidated} scenes could not be validated"));
     }
 }
 

@@ -32,7 +32,7 @@ pub struct Output {
 
 /// How long a whole study may take that tries one thing after the other.
 #[derive(Args, Clone, Copy, Debug)]
-pub struct Budgeted {
+pub struct BudgetedOutput {
     /// Limit on the processor time of the whole study in seconds; runs that were not made within it are listed
     ///
     /// The limit includes all threads and the set-up. The result is based on the runs that were made.
@@ -40,7 +40,7 @@ pub struct Budgeted {
     pub budget: f64,
 }
 
-impl Budgeted {
+impl BudgetedOutput {
     /// The bound, from now on.
     pub fn budget(&self) -> Budget {
         Budget::new(Duration::from_secs_f64(self.budget))
@@ -49,7 +49,7 @@ impl Budgeted {
 
 /// Where results go, and how long a run may take.
 #[derive(Args, Clone, Debug)]
-pub struct Bounded {
+pub struct BoundedOutput {
     /// Where results go.
     #[command(flatten)]
     pub output: Output,
@@ -61,16 +61,16 @@ pub struct Bounded {
     pub timeout: f64,
 }
 
-impl Bounded {
+impl BoundedOutput {
     /// Bound of one integration.
     pub fn timeout(&self) -> Duration {
         Duration::from_secs_f64(self.timeout)
     }
 }
 
-impl Default for Bounded {
+impl Default for BoundedOutput {
     fn default() -> Self {
-        Bounded {
+        BoundedOutput {
             output: Output::default(),
             timeout: DEFAULT_TIMEOUT,
         }
@@ -79,19 +79,19 @@ impl Default for Bounded {
 
 /// The same of a study whose runs are timed.
 #[derive(Args, Clone, Debug)]
-pub struct Timed {
+pub struct TimedOutput {
     /// Where results go, and how long a run may take.
     #[command(flatten)]
-    pub bounded: Bounded,
+    pub bounded: BoundedOutput,
     /// Number of timed repetitions of each run; the report shows their median and spread
     #[arg(long, value_name = "N", default_value_t = DEFAULT_REPEATS, value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub repeats: u32,
 }
 
-impl Default for Timed {
+impl Default for TimedOutput {
     fn default() -> Self {
-        Timed {
-            bounded: Bounded::default(),
+        TimedOutput {
+            bounded: BoundedOutput::default(),
             repeats: DEFAULT_REPEATS,
         }
     }
@@ -99,7 +99,7 @@ impl Default for Timed {
 
 /// Whether a reference of other gears will do.
 #[derive(Args, Clone, Debug, Default)]
-pub struct Insist {
+pub struct AnyReference {
     /// Use the scene's reference even if it belongs to other gears, speeds or loads; the report states this
     #[arg(long)]
     pub any_reference: bool,

@@ -2,7 +2,7 @@
 
 /// Formats the command line with the name of the program in place of its path. Bytes that are not valid text are
 /// replaced.
-pub fn told(program: &str) -> String {
+pub fn command_line(program: &str) -> String {
     let quote = |a: String| {
         let plain = !a.is_empty()
             && a.chars()

@@ -13,14 +13,14 @@ use std::sync::atomic::{AtomicU32, Ordering};
 
 /// A file that is written under a temporary name until it is complete.
 #[derive(Debug)]
-pub struct Staged {
+pub struct StagedFile {
     file: File,
     part: PathBuf,
     path: PathBuf,
     kept: bool,
 }
 
-impl Staged {
+impl StagedFile {
     /// Creates the temporary file in the folder of the final file.
     ///
     /// # Errors
@@ -37,7 +37,7 @@ impl Staged {
         let file = File::options().write(true).create_new(true).open(&part)?;
         // Without locks on this file system a part of a killed process stays.
         let _ = file.try_lock();
-        Ok(Staged {
+        Ok(StagedFile {
             file,
             part,
             path: path.to_owned(),
@@ -49,20 +49,20 @@ impl Staged {
     ///
     /// # Errors
     /// The file cannot be synced or renamed; an existing file then stays.
-    pub fn keep(mut self) -> io::Result<()> {
+    pub fn commit(mut self) -> io::Result<()> {
         self.file.sync_all()?;
         fs::rename(&self.part, &self.path)?;
         self.kept = true;
         Ok(())
     }
 
-    /// The path that the file has after [`Staged::keep`].
+    /// The path that the file has after [`StagedFile::commit`].
     pub fn path(&self) -> &Path {
         &self.path
     }
 }
 
-impl Write for Staged {
+impl Write for StagedFile {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         self.file.write(bytes)
     }
@@ -72,7 +72,7 @@ impl Write for Staged {
     }
 }
 
-impl Drop for Staged {
+impl Drop for StagedFile {
     fn drop(&mut self) {
         if !self.kept {
             let _ = fs::remove_file(&self.part);
@@ -111,9 +111,9 @@ pub fn folder_of(path: &Path) -> &Path {
 /// # Errors
 /// The file cannot be written; an existing file then stays.
 pub fn write_whole(path: &Path, contents: impl AsRef<[u8]>) -> io::Result<()> {
-    let mut staged = Staged::begin(path)?;
+    let mut staged = StagedFile::begin(path)?;
     staged.write_all(contents.as_ref())?;
-    staged.keep()
+    staged.commit()
 }
 
 /// True if two paths lead to the same file, through any links.
@@ -130,7 +130,7 @@ pub fn is_same(a: &Path, b: &Path) -> bool {
 
 /// Existing files that a command may replace.
 #[derive(Clone, Copy, Debug)]
-pub struct Overwriting<'a> {
+pub struct ReplaceableFiles<'a> {
     /// Input files of the command. None of them is ever overwritten.
     pub inputs: &'a [PathBuf],
     /// Text that marks the files of the command, near their beginning or their end: a file with it may be replaced.
@@ -139,7 +139,7 @@ pub struct Overwriting<'a> {
     pub force: bool,
 }
 
-impl Overwriting<'_> {
+impl ReplaceableFiles<'_> {
     /// Checks, before any computation, that a file may be written.
     ///
     /// # Errors
@@ -200,7 +200,7 @@ mod tests {
         let path = folder.path().join("a.csv");
         write_whole(&path, "before").unwrap();
         // A failure on the way leaves the old file, and nothing else.
-        let mut staged = Staged::begin(&path).unwrap();
+        let mut staged = StagedFile::begin(&path).unwrap();
         staged.write_all(b"half of wh").unwrap();
         drop(staged);
         assert_eq!(fs::read_to_string(&path).unwrap(), "before");
@@ -240,7 +240,7 @@ mod tests {
         let at = |name: &str| folder.path().join(name);
         let inputs = [at("scene.toml")];
         let check = |name: &str, force| {
-            let of = Overwriting {
+            let of = ReplaceableFiles {
                 inputs: &inputs,
                 mark: Some("made by gearbench"),
                 force,

@@ -37,7 +37,7 @@ impl Owner {
             pid: std::process::id(),
             host,
             since: machine::now(),
-            command: terminal::told("gearbench"),
+            command: terminal::command_line("gearbench"),
         }
     }
 }
@@ -71,7 +71,7 @@ impl FolderLock {
             .map_err(fail)?;
             match file.try_lock() {
                 Ok(()) => {}
-                Err(TryLockError::WouldBlock) => return Err(taken(folder, &mut file)),
+                Err(TryLockError::WouldBlock) => return Err(locked_refusal(folder, &mut file)),
                 Err(TryLockError::Error(e)) if e.kind() == ErrorKind::Unsupported => {
                     terminal::warn(&format!(
                         "{}: this file system has no locks; let one process at a time write there",
@@ -120,7 +120,7 @@ fn is_at(file: &File, path: &Path) -> bool {
 }
 
 /// The refusal for a folder that another process writes to.
-fn taken(folder: &Path, file: &mut File) -> Refusal {
+fn locked_refusal(folder: &Path, file: &mut File) -> Refusal {
     let mut owner = None;
     // A new owner may not have written its name yet.
     for _ in 0..20 {
@@ -161,7 +161,7 @@ mod tests {
             let lock = FolderLock::take(folder.path()).unwrap();
             // Another open file of this process is as that of another process.
             let refusal = FolderLock::take(folder.path()).unwrap_err();
-            let text = format!("{:?}", refusal.told().1);
+            let text = format!("{:?}", refusal.into_report().1);
             let pid = format!("process {}", std::process::id());
             assert!(text.contains(&pid), "{text}");
             drop(lock);

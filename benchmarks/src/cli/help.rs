@@ -1,7 +1,7 @@
 //! The command `gearbench help`: commands in groups, help of one command, and the embedded documents.
 
-use super::answer::Answer;
-use super::terminal::{self, Manner, Refusal};
+use super::command_result::CommandResult;
+use super::terminal::{self, OutputForm, Refusal};
 use super::{Cli, Command};
 use crate::scene_file::did_you_mean;
 use clap::{Args, CommandFactory, Subcommand};
@@ -94,7 +94,7 @@ pub(super) fn template() -> String {
 }
 
 /// Prints a document or the help of a command.
-pub(super) fn run(args: &Help) -> Result<Answer, Refusal> {
+pub(super) fn run(args: &Help) -> Result<CommandResult, Refusal> {
     let mut program = Cli::command();
     program.build();
     let text = match args.topic.as_deref() {
@@ -109,10 +109,10 @@ pub(super) fn run(args: &Help) -> Result<Answer, Refusal> {
             }
         }
     };
-    if terminal::manner() != Manner::Json {
-        terminal::put(text.trim_end());
+    if terminal::manner() != OutputForm::Json {
+        terminal::print_text(text.trim_end());
     }
-    Ok(Answer::done().with("text", text))
+    Ok(CommandResult::done().with("text", text))
 }
 
 fn unknown(topic: &str) -> Refusal {

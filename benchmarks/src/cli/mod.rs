@@ -1,9 +1,9 @@
 //! The command line: table of commands, messages, files and exit codes. The modules of studies and tools implement the
 //! commands.
 
-pub mod answer;
 pub mod arguments;
 pub(crate) mod command_line;
+pub mod command_result;
 #[cfg(test)]
 mod documents_tests;
 pub mod exit;
@@ -26,16 +26,16 @@ use crate::tools::reduce::{self, arguments::Reduce};
 use crate::tools::reference::{self, arguments::Reference};
 use crate::tools::rerun::{self, Rerun};
 use crate::tools::{init, init::Init, list, list::List, report, report::Report};
-use answer::Answer;
 use clap::error::ErrorKind;
 use clap::{ArgMatches, CommandFactory, FromArgMatches, Parser, Subcommand};
+use command_result::CommandResult;
 use exit::Exit;
 use gearbench_reference::limits;
 use help::Help;
 use std::ffi::OsString;
 use std::process::ExitCode;
 use study_command::StudyCommand;
-use terminal::{Manner, Refusal};
+use terminal::{OutputForm, Refusal};
 use values::{DEFAULT_MEMORY, gigabytes};
 
 /// The text after the options of `--help`: examples and exit codes.
@@ -133,8 +133,8 @@ pub(crate) enum Command {
 }
 
 impl Command {
-    /// Runs the command; records store the command line `told`.
-    fn run(self, told: &str) -> Result<Answer, Refusal> {
+    /// Runs the command; records store the command line `command_line`.
+    fn run(self, told: &str) -> Result<CommandResult, Refusal> {
         match self {
             Command::Init(args) => init::run(&args),
             Command::Study(study) => study.run(told),
@@ -200,13 +200,13 @@ fn models_of(command_line: &str) -> Option<Option<String>> {
 /// Runs a command and reports how it ended.
 pub fn run(cli: Cli) -> ExitCode {
     terminal::choose(match (cli.json, cli.quiet) {
-        (true, _) => Manner::Json,
-        (_, true) => Manner::Quiet,
-        _ => Manner::Lines,
+        (true, _) => OutputForm::Json,
+        (_, true) => OutputForm::Quiet,
+        _ => OutputForm::Lines,
     });
     // Before anything is read or built: estimates are compared with it from the first file on.
     limits::set_memory(cli.memory * 1e9);
-    let told = terminal::told("gearbench");
+    let told = terminal::command_line("gearbench");
     let done = match cli.command {
         None => StudyCommand::default().run("gearbench"),
         Some(command) => command.run(&told),
@@ -216,7 +216,7 @@ pub fn run(cli: Cli) -> ExitCode {
 
 /// Repeats a study from its record. As a record is external input, its command has to be the study of the record, and
 /// all output of the study goes into the given folder.
-fn again(args: &Rerun) -> Result<Answer, Refusal> {
+fn again(args: &Rerun) -> Result<CommandResult, Refusal> {
     let again = rerun::prepare(args)?;
     let shown = again.command();
     let refuse = |help: String| {
@@ -255,11 +255,11 @@ fn again(args: &Rerun) -> Result<Answer, Refusal> {
 /// Prints the requested help, or an error in the arguments in the form of all refusals.
 fn refuse(e: &clap::Error) -> ExitCode {
     if !e.use_stderr() {
-        terminal::put(e.render().to_string().trim_end());
-        return terminal::end("", Ok(Answer::done()));
+        terminal::print_text(e.render().to_string().trim_end());
+        return terminal::end("", Ok(CommandResult::done()));
     }
     if std::env::args_os().any(|a| a == "--json") {
-        terminal::choose(Manner::Json);
+        terminal::choose(OutputForm::Json);
     }
     let text = e.render().to_string();
     let mut parts = text.split("\n\n").map(str::trim).filter(|p| !p.is_empty());
@@ -267,7 +267,10 @@ fn refuse(e: &clap::Error) -> ExitCode {
     let message = message.strip_prefix("error: ").unwrap_or(message);
     let help: Vec<&str> = parts.collect();
     let report = miette::miette!(help = help.join("\n"), "{message}");
-    terminal::end(&terminal::told("gearbench"), Err(Refusal::Input(report)))
+    terminal::end(
+        &terminal::command_line("gearbench"),
+        Err(Refusal::Input(report)),
+    )
 }
 
 #[cfg(test)]

@@ -14,7 +14,7 @@ const EVERY: Duration = Duration::from_secs(60);
 
 /// Progress of a running study: pieces done, their total number, and the present piece.
 #[derive(Debug, Default)]
-struct Known {
+struct ProgressState {
     done: usize,
     total: usize,
     what: String,
@@ -22,7 +22,7 @@ struct Known {
     before: Option<usize>,
 }
 
-impl Known {
+impl ProgressState {
     /// Estimated time to the end, from the pieces computed so far.
     fn left(&self, spent: Duration) -> Option<Duration> {
         let made = self.done.checked_sub(self.before?).filter(|n| *n > 0)?;
@@ -54,7 +54,7 @@ fn minutes(time: Duration) -> String {
 
 /// Displays the progress of a piece of work until it is dropped.
 pub struct Display {
-    known: Arc<Mutex<Known>>,
+    known: Arc<Mutex<ProgressState>>,
     bar: ProgressBar,
     begin: Instant,
     ticker: Option<(Sender<()>, JoinHandle<()>)>,
@@ -64,9 +64,9 @@ impl Display {
     /// Starts the display; a length of 0 means that the number of pieces is unknown.
     pub fn new(length: usize) -> Display {
         let terminal = std::io::stderr().is_terminal();
-        let known = Arc::new(Mutex::new(Known {
+        let known = Arc::new(Mutex::new(ProgressState {
             total: length,
-            ..Known::default()
+            ..ProgressState::default()
         }));
         let begin = Instant::now();
         Display {
@@ -78,7 +78,7 @@ impl Display {
     }
 
     /// Updates the display: pieces done, their total number so far, and the name of the next piece.
-    pub fn tell(&self, done: usize, total: usize, what: &str) {
+    pub fn report_progress(&self, done: usize, total: usize, what: &str) {
         let what = &*escape::terminal(what);
         let mut known = lock(&self.known);
         known.before.get_or_insert(done);
@@ -104,7 +104,7 @@ impl Display {
             let known = lock(&self.known);
             (known.done, known.total)
         };
-        self.tell(done, total, what);
+        self.report_progress(done, total, what);
     }
 }
 
@@ -138,12 +138,12 @@ fn progress_bar(length: usize) -> ProgressBar {
 }
 
 /// Starts a thread that prints a line at intervals, until the sender is dropped.
-fn ticker(known: &Arc<Mutex<Known>>, begin: Instant) -> (Sender<()>, JoinHandle<()>) {
+fn ticker(known: &Arc<Mutex<ProgressState>>, begin: Instant) -> (Sender<()>, JoinHandle<()>) {
     let (stop, stopped) = channel::<()>();
     let known = known.clone();
     let thread = std::thread::spawn(move || {
         while stopped.recv_timeout(EVERY) == Err(RecvTimeoutError::Timeout) {
-            super::terminal::say_error(&lock(&known).line(begin.elapsed()));
+            super::terminal::print_error(&lock(&known).line(begin.elapsed()));
         }
     });
     (stop, thread)
@@ -155,7 +155,7 @@ mod tests {
 
     #[test]
     fn the_end_is_estimated_from_what_was_made() {
-        let known = Known {
+        let known = ProgressState {
             done: 30,
             total: 50,
             what: "rigid, rk4".into(),
@@ -168,7 +168,7 @@ mod tests {
             line,
             "30 of 50, 1 min 0 s, about 2 min 0 s left: rigid, rk4"
         );
-        let nothing = Known {
+        let nothing = ProgressState {
             before: Some(30),
             ..known
         };

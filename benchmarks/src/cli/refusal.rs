@@ -22,7 +22,7 @@ pub enum Refusal {
 
 impl Refusal {
     /// The exit code and the message of the refusal.
-    pub fn told(self) -> (Exit, Report) {
+    pub fn into_report(self) -> (Exit, Report) {
         match self {
             Refusal::Input(report) => (Exit::BadInput, report),
             Refusal::Files(message) => (Exit::BadInput, Report::msg(message)),

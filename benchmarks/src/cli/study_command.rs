@@ -2,8 +2,8 @@
 //!
 //! Each writes one folder. `rerun` makes a study again from this list, and from nothing else.
 
-use super::answer::Answer;
 use super::arguments::Output;
+use super::command_result::CommandResult;
 use super::refusal::Refusal;
 use crate::studies::check::{self, arguments::Check};
 use crate::studies::choose::{self, arguments::Choose};
@@ -65,7 +65,7 @@ impl Default for StudyCommand {
 
 impl StudyCommand {
     /// Runs the study; its record stores the command line.
-    pub(super) fn run(&self, command_line: &str) -> Result<Answer, Refusal> {
+    pub(super) fn run(&self, command_line: &str) -> Result<CommandResult, Refusal> {
         match self {
             StudyCommand::Compare(args) => compare::command::run(args, command_line),
             StudyCommand::Precision(args) => precision::command::run(args, command_line),

@@ -4,14 +4,14 @@
 //! A folder belongs to one study of one scene with one choice of models. The same command works there again and again,
 //! also after the scene was edited. Another one is refused before it computes anything, unless it comes with `--force`.
 
-use super::answer::Answer;
 use super::arguments::Output;
+use super::command_result::CommandResult;
 use super::exit::Exit;
 use super::files::{folder_of, is_same};
 use super::folder_lock::FolderLock;
 use super::measured;
 use super::progress::Display;
-use super::terminal::{Refusal, absolute, say, warn};
+use super::terminal::{Refusal, absolute, print_line, warn};
 use crate::experiment::budget::Budget;
 use crate::experiment::conditions::Progress;
 use crate::experiment::configuration::refused;
@@ -126,7 +126,7 @@ impl StudyFolder {
         interruption::defer();
         let rows = scene.iter().flat_map(|s| &s.refused);
         folder.refused = rows
-            .map(|r| refused(&r.label, &r.model, r.error.told()))
+            .map(|r| refused(&r.label, &r.model, r.error.to_text()))
             .collect();
         Ok(folder)
     }
@@ -144,7 +144,7 @@ impl StudyFolder {
     /// Runs a study of `length` runs with a display of its progress; 0 if the number is unknown.
     pub fn run<T>(&mut self, length: usize, study: impl FnOnce(&Runner<'_>) -> T) -> T {
         let display = Display::new(length);
-        let progress = |done, total, what: &str| display.tell(done, total, what);
+        let progress = |done, total, what: &str| display.report_progress(done, total, what);
         study(&self.runner(&progress))
     }
 
@@ -156,7 +156,7 @@ impl StudyFolder {
         study: impl FnOnce(&Runner<'_>) -> T,
     ) -> T {
         let display = Display::new(length);
-        let progress = |done, total, what: &str| display.tell(done, total, what);
+        let progress = |done, total, what: &str| display.report_progress(done, total, what);
         study(&self.runner(&progress).within(budget))
     }
 
@@ -164,7 +164,7 @@ impl StudyFolder {
     pub fn runner<'a>(&mut self, progress: Progress<'a>) -> Runner<'a> {
         match self.journal.take() {
             Some(journal) => Runner::new(journal, progress).announcing(&|pieces| {
-                say(&format!(
+                print_line(&format!(
                     "continuing after {pieces} finished pieces of an interrupted study (--fresh repeats all)"
                 ));
             }),
@@ -177,7 +177,7 @@ impl StudyFolder {
     pub fn interrupted(&self) -> Refusal {
         let pieces = pieces(&self.path.join(JOURNAL));
         if pieces > 0 {
-            say(&format!(
+            print_line(&format!(
                 "interrupted: {pieces} finished pieces are stored; the same command continues the study"
             ));
         }
@@ -194,7 +194,7 @@ impl StudyFolder {
         mut results: Results,
         exit: impl FnOnce(&Results) -> Exit,
         summarise: impl FnOnce(&Results),
-    ) -> Result<Answer, Refusal> {
+    ) -> Result<CommandResult, Refusal> {
         let runs = &mut results.runs;
         let nothing_ran = !runs.is_empty() && runs.iter().all(|r| r.status == Status::Refused);
         runs.extend(self.refused.iter().cloned());
@@ -237,16 +237,16 @@ impl StudyFolder {
         summarise(&results);
         describe_mesh_modes(&results);
         for line in gearbench_reports::measured_lines(&results).unwrap_or_default() {
-            say(&line);
+            print_line(&line);
         }
         if let Some((_, what)) = results.settings.last().filter(|_| stopped) {
-            say(&format!("interrupted: {what}"));
+            print_line(&format!("interrupted: {what}"));
         }
         let [record, page] = [self.path.join(RECORD), page].map(absolute);
-        say(&format!("record: {}", record.display()));
-        say(&format!("report: {}", page.display()));
+        print_line(&format!("record: {}", record.display()));
+        print_line(&format!("report: {}", page.display()));
         self.close();
-        let answer = (Answer::of(&results).with("record", &record)).with("report", &page);
+        let answer = (CommandResult::of(&results).with("record", &record)).with("report", &page);
         Ok(answer.ending(match (stopped, self.refused.is_empty()) {
             (true, _) => Exit::Interrupted,
             (false, true) => exit(&results),
@@ -292,7 +292,7 @@ fn none_can_run(rows: &[Run]) -> Refusal {
 /// Prints the damping of the mesh mode of each model, and a warning if models differ in it.
 fn describe_mesh_modes(results: &Results) {
     for mode in &results.mesh_modes {
-        say(&format!("mesh mode of {}: {}", mode.label, mode.to_text()));
+        print_line(&format!("mesh mode of {}: {}", mode.label, mode.to_text()));
     }
     if let Some(text) = damping_differs(&results.mesh_modes) {
         warn(&text);
@@ -383,17 +383,17 @@ fn refuse_input(folder: &Path, input: &Path) -> Result<(), Refusal> {
 
 /// Header of an existing record: study, scene and command.
 #[derive(Deserialize)]
-struct Kept {
+struct RecordedHeader {
     schema: u32,
     study: String,
     scene: String,
     command: String,
     #[serde(default)]
-    source: Option<KeptSource>,
+    source: Option<RecordedSource>,
 }
 
 #[derive(Deserialize)]
-struct KeptSource {
+struct RecordedSource {
     name: String,
     scene: String,
 }
@@ -427,7 +427,7 @@ fn belongs_to(
         true => std::fs::read_to_string(&record).unwrap_or_default(),
         false => String::new(),
     };
-    let Ok(kept) = serde_json::from_str::<Kept>(&text) else {
+    let Ok(kept) = serde_json::from_str::<RecordedHeader>(&text) else {
         return refuse(&format!("its {RECORD} is not a record of gearbench"));
     };
     if kept.schema != SCHEMA {

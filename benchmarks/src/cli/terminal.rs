@@ -5,13 +5,13 @@
 //! the command, whose files and exit code stay the same. A full disk behind standard output is an error, and so is a
 //! JSON object that cannot be written.
 
-use super::answer::{self, Answer};
-use super::arguments::Insist;
-pub use super::command_line::told;
+use super::arguments::AnyReference;
+pub use super::command_line::command_line;
+use super::command_result::{self, CommandResult};
 use super::exit::Exit;
 pub use super::refusal::{Refusal, refuse_run, refuse_study};
 use crate::scene_file::SceneFile;
-use crate::scene_file::references::Held;
+use crate::scene_file::references::LoadedReference;
 use gearbench_reference::data::Reference;
 use gearbench_reports::escape;
 use miette::Report;
@@ -22,7 +22,7 @@ use std::sync::{Mutex, OnceLock};
 
 /// Form of the output: text, nothing, or JSON.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Manner {
+pub enum OutputForm {
     /// Lines of text for a human reader.
     #[default]
     Lines,
@@ -33,31 +33,31 @@ pub enum Manner {
 }
 
 /// The form of the output, chosen once before the first line.
-static MANNER: OnceLock<Manner> = OnceLock::new();
+static MANNER: OnceLock<OutputForm> = OnceLock::new();
 /// The first write error; nothing is written after it.
 static FAILED: Mutex<Option<io::Error>> = Mutex::new(None);
 /// Warnings so far, for the JSON object.
 static WARNINGS: Mutex<Vec<String>> = Mutex::new(Vec::new());
 
 /// Chooses the form of the output; later calls have no effect.
-pub fn choose(manner: Manner) {
+pub fn choose(manner: OutputForm) {
     let _ = MANNER.set(manner);
 }
 
 /// The chosen form of the output.
-pub fn manner() -> Manner {
+pub fn manner() -> OutputForm {
     MANNER.get().copied().unwrap_or_default()
 }
 
 /// Prints a line of text to standard output, escaped by [`escape::terminal`]; without effect for JSON and quiet output.
-pub fn say(text: &str) {
-    if manner() == Manner::Lines {
-        put(&escape::terminal(text));
+pub fn print_line(text: &str) {
+    if manner() == OutputForm::Lines {
+        print_text(&escape::terminal(text));
     }
 }
 
 /// Prints text to standard output in every form of output.
-pub fn put(text: &str) {
+pub fn print_text(text: &str) {
     let Ok(mut failed) = FAILED.lock() else {
         return;
     };
@@ -76,7 +76,7 @@ fn fail(e: io::Error) {
 
 /// True if standard output was closed when the program began. The runtime then opens the null device for reading and
 /// writing in its place, which a redirection of an output does not.
-fn nobody_reads() -> bool {
+fn output_is_closed() -> bool {
     let null = std::fs::read_link("/proc/self/fd/1").is_ok_and(|to| to.as_os_str() == "/dev/null");
     let info = std::fs::read_to_string("/proc/self/fdinfo/1").unwrap_or_default();
     let flags = info.lines().find_map(|l| l.strip_prefix("flags:"));
@@ -94,13 +94,13 @@ pub fn warn(text: &str) {
         return;
     }
     warnings.push(text.to_owned());
-    if manner() != Manner::Json {
-        say_error(&format!("warning: {text}"));
+    if manner() != OutputForm::Json {
+        print_error(&format!("warning: {text}"));
     }
 }
 
 /// Prints a line of text to standard error, escaped by [`escape::terminal`].
-pub fn say_error(text: &str) {
+pub fn print_error(text: &str) {
     put_error(&escape::terminal(text));
 }
 
@@ -110,7 +110,7 @@ fn put_error(text: &str) {
 }
 
 /// Reports the result of a command and returns its exit code.
-pub fn end(command: &str, result: Result<Answer, Refusal>) -> ExitCode {
+pub fn end(command: &str, result: Result<CommandResult, Refusal>) -> ExitCode {
     if let Some(why) = gearbench_reference::reduction::cache::trouble() {
         warn(&format!(
             "reductions cannot be stored in the cache: {why}; set GEARBENCH_CACHE to another folder, or to `off`"
@@ -120,23 +120,23 @@ pub fn end(command: &str, result: Result<Answer, Refusal>) -> ExitCode {
     let exit = match result {
         Ok(answer) => {
             let exit = answer.exit;
-            if manner() == Manner::Json {
-                put(&answer.json(command, warnings).to_string());
-                if nobody_reads() {
+            if manner() == OutputForm::Json {
+                print_text(&answer.json(command, warnings).to_string());
+                if output_is_closed() {
                     fail(io::Error::other("it is closed"));
                 }
             }
             exit
         }
         Err(refusal) => {
-            let (exit, report) = refusal.told();
-            complain(command, exit, &report, warnings);
+            let (exit, report) = refusal.into_report();
+            print_refusal(command, exit, &report, warnings);
             exit
         }
     };
     let failed = FAILED.lock().ok().and_then(|mut f| f.take());
     // Of lines for people a reader may have enough; half of an object is none.
-    let enough = |e: &io::Error| e.kind() == ErrorKind::BrokenPipe && manner() != Manner::Json;
+    let enough = |e: &io::Error| e.kind() == ErrorKind::BrokenPipe && manner() != OutputForm::Json;
     match failed.filter(|e| !enough(e)) {
         None => exit.into(),
         Some(e) => {
@@ -144,21 +144,21 @@ pub fn end(command: &str, result: Result<Answer, Refusal>) -> ExitCode {
                 help = "the files of the command are complete",
                 "standard output cannot be written: {e}"
             );
-            complain(command, Exit::BadInput, &report, Vec::new());
+            print_refusal(command, Exit::BadInput, &report, Vec::new());
             Exit::BadInput.into()
         }
     }
 }
 
 /// Prints an error to standard error.
-pub(super) fn complain(command: &str, exit: Exit, report: &Report, warnings: Vec<String>) {
+pub(super) fn print_refusal(command: &str, exit: Exit, report: &Report, warnings: Vec<String>) {
     match manner() {
-        Manner::Json => {
-            put_error(&answer::refusal(command, exit, report, warnings).to_string());
+        OutputForm::Json => {
+            put_error(&command_result::refusal(command, exit, report, warnings).to_string());
         }
         // A terminal gets colours, a file or a pipe none.
         _ if io::stderr().is_terminal() => put_error(&escape::coloured(&format!("{report:?}"))),
-        _ => say_error(&format!("{report:?}")),
+        _ => print_error(&format!("{report:?}")),
     }
 }
 
@@ -172,10 +172,13 @@ pub fn absolute(path: PathBuf) -> PathBuf {
 ///
 /// # Errors
 /// A refusal at the line of the scene, or of the file with the data.
-pub fn all_references_of(scene: &mut SceneFile, insist: &Insist) -> Result<Vec<Held>, Refusal> {
+pub fn all_references_of(
+    scene: &mut SceneFile,
+    insist: &AnyReference,
+) -> Result<Vec<LoadedReference>, Refusal> {
     let known = scene.odd.len();
-    let references = scene.held(insist.any_reference)?;
-    (scene.odd[known..].iter()).for_each(|odd| warn(&odd.told()));
+    let references = scene.load_references(insist.any_reference)?;
+    (scene.odd[known..].iter()).for_each(|odd| warn(&odd.to_text()));
     Ok(references)
 }
 
@@ -183,9 +186,12 @@ pub fn all_references_of(scene: &mut SceneFile, insist: &Insist) -> Result<Vec<H
 ///
 /// # Errors
 /// As [`all_references_of`].
-pub fn references_of(scene: &mut SceneFile, insist: &Insist) -> Result<Vec<Reference>, Refusal> {
+pub fn references_of(
+    scene: &mut SceneFile,
+    insist: &AnyReference,
+) -> Result<Vec<Reference>, Refusal> {
     let known = scene.odd.len();
-    let references = scene.held_of_the_scene(insist.any_reference)?;
-    (scene.odd[known..].iter()).for_each(|odd| warn(&odd.told()));
+    let references = scene.load_own_references(insist.any_reference)?;
+    (scene.odd[known..].iter()).for_each(|odd| warn(&odd.to_text()));
     Ok(references)
 }

@@ -28,7 +28,7 @@ pub struct Conditions<'a> {
     pub duration: f64,
     /// Number of samples of the histories over the duration.
     pub samples: usize,
-    /// True if torques and further transmission errors are recorded ([`Conditions::held_against`]).
+    /// True if torques and further transmission errors are recorded ([`Conditions::compared_with`]).
     pub torques: bool,
     /// True if contact events are located.
     pub events: bool,
@@ -75,7 +75,10 @@ impl Conditions<'static> {
 impl Conditions<'_> {
     /// Also records the torques and further transmission errors that some reference contains, for comparison with it.
     #[must_use]
-    pub fn held_against<'r>(mut self, references: impl IntoIterator<Item = &'r Reference>) -> Self {
+    pub fn compared_with<'r>(
+        mut self,
+        references: impl IntoIterator<Item = &'r Reference>,
+    ) -> Self {
         let beside = |c: &Channel| match c.quantity {
             Quantity::Torque(_) | Quantity::MountTorque(_) => true,
             Quantity::TransmissionError(mesh) => mesh > 0,

@@ -2,7 +2,7 @@
 //!
 //! Candidates are tried from the finest on, and the first that reaches the end within its bound of work is taken. Work is
 //! steps times coordinates, and never time: the solution, and with it every error against it, is the same on every
-//! machine and under every load. The record names the candidate that was taken ([`OwnSolution`]).
+//! machine and under every load. The record names the candidate that was taken ([`ConvergedSettings`]).
 //!
 //! | model | candidates |
 //! |---|---|
@@ -16,7 +16,7 @@
 use super::run::{Job, NO_BOUND, RunError, run};
 use gearbench_integrators::table::{DOPRI5, TRIGONOMETRIC};
 use gearbench_integrators::{MethodSpec, Resolution, Scheme};
-use gearbench_reports::record::{OwnSolution, Run, Status};
+use gearbench_reports::record::{ConvergedSettings, Run, Status};
 use gearbench_reports::series::TimeSeries;
 use serde::{Deserialize, Serialize};
 
@@ -39,13 +39,13 @@ pub type Candidate = (Scheme, u64);
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Converged {
     /// Method, step or tolerance of the solution.
-    pub by: OwnSolution,
+    pub by: ConvergedSettings,
     /// The contact force and other channels of the solution over time.
     pub series: TimeSeries,
 }
 
 /// The converged solution, or the reason why there is none.
-pub type Found = Result<Converged, String>;
+pub type ConvergedResult = Result<Converged, String>;
 
 impl Converged {
     /// Checks that this solution is accurate enough to measure the error of a run under a method.
@@ -132,7 +132,11 @@ pub fn candidates(row: &Run, asked: &[Scheme]) -> Vec<Candidate> {
 ///
 /// # Errors
 /// [`RunError`] where the model cannot be built, or the user interrupts.
-pub fn of_model(job: &Job<'_>, row: &Run, candidates: &[Candidate]) -> Result<Found, RunError> {
+pub fn of_model(
+    job: &Job<'_>,
+    row: &Run,
+    candidates: &[Candidate],
+) -> Result<ConvergedResult, RunError> {
     match converged(job, candidates)? {
         Ok(found) => Ok(Ok(found)),
         Err(_) if candidates.is_empty() => Ok(Err(format!(
@@ -148,7 +152,7 @@ pub fn of_model(job: &Job<'_>, row: &Run, candidates: &[Candidate]) -> Result<Fo
 ///
 /// # Errors
 /// [`RunError`] where the model cannot be built, or the user interrupts.
-pub fn converged(job: &Job<'_>, candidates: &[Candidate]) -> Result<Found, RunError> {
+pub fn converged(job: &Job<'_>, candidates: &[Candidate]) -> Result<ConvergedResult, RunError> {
     let mut tried: Vec<String> = Vec::new();
     // A finer candidate that did not get through, and the steps that the whole time would have taken at its pace.
     let mut pace: Option<(&Scheme, f64)> = None;
@@ -176,7 +180,7 @@ pub fn converged(job: &Job<'_>, candidates: &[Candidate]) -> Result<Found, RunEr
             Err(RunError::NoLinearPart(..)) => continue,
             row => row?,
         };
-        let by = OwnSolution::from(&row);
+        let by = ConvergedSettings::from(&row);
         match row.series.filter(|_| !row.status.is_failure()) {
             Some(series) => return Ok(Ok(Converged { by, series })),
             None => tried.push(format!("{}: {}", method.described(), row.status)),
@@ -198,7 +202,7 @@ mod tests {
 
     fn by(integrator: &str, step: Option<f64>, rtol: Option<f64>) -> Converged {
         Converged {
-            by: OwnSolution {
+            by: ConvergedSettings {
                 integrator: integrator.into(),
                 step,
                 rtol,

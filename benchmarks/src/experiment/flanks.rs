@@ -26,7 +26,7 @@ struct Flank<'a> {
 }
 
 /// Contacts of one side of a mesh at one instant.
-struct Borne {
+struct SideContacts {
     side: Side,
     value: FlankValue,
     patches: Vec<FlankPatch>,
@@ -63,7 +63,7 @@ pub fn flank_loads(
             let mut seen = 1;
             for state in instants {
                 let of_side = at(scene, state, m, &flank);
-                let same = |o: &&Borne| o.side == borne.side && o.value == borne.value;
+                let same = |o: &&SideContacts| o.side == borne.side && o.value == borne.value;
                 if let Some(other) = of_side.iter().find(same) {
                     over_run.add(&other.patches);
                     seen += 1;
@@ -92,7 +92,7 @@ pub fn flank_loads(
 }
 
 /// Contacts of a mesh at a state, by side of the tooth.
-fn at(scene: &mut Scene, state: &State, mesh: usize, flank: &Flank<'_>) -> Vec<Borne> {
+fn at(scene: &mut Scene, state: &State, mesh: usize, flank: &Flank<'_>) -> Vec<SideContacts> {
     let forces = scene.contact_forces(state.at());
     let frame = scene.hub_frame(flank.index, state.at());
     let mut out = Vec::new();
@@ -135,7 +135,7 @@ fn at(scene: &mut Scene, state: &State, mesh: usize, flank: &Flank<'_>) -> Vec<B
         });
         spread(&mut patches, areas, flank);
         if !patches.is_empty() {
-            out.push(Borne {
+            out.push(SideContacts {
                 side,
                 value,
                 patches,

@@ -36,7 +36,7 @@ const CLOSEST: f64 = 0.02;
 
 /// Sampling rule of the force.
 #[derive(Clone, Copy, Debug)]
-struct Rule {
+struct SamplingRule {
     nodes: &'static [f64],
     /// Longest piece of one step, in characteristic times.
     longest: f64,
@@ -44,17 +44,17 @@ struct Rule {
     full: f64,
 }
 
-const SMOOTH: Rule = Rule {
+const SMOOTH: SamplingRule = SamplingRule {
     nodes: &LOBATTO,
     longest: 0.5,
     full: 0.15,
 };
-const CONTINUOUS: Rule = Rule {
+const CONTINUOUS: SamplingRule = SamplingRule {
     nodes: &PARABOLA,
     longest: f64::INFINITY,
     full: 0.0,
 };
-const UNSEEN: Rule = Rule {
+const UNSEEN: SamplingRule = SamplingRule {
     nodes: &LINE,
     longest: 0.2,
     full: 0.0,
@@ -82,7 +82,7 @@ pub struct ForceRecorder {
     /// Samples within one part of the present step, and those left of the whole step.
     interval: usize,
     left: usize,
-    rule: Option<Rule>,
+    rule: Option<SamplingRule>,
     /// True if jumps without an event are searched within steps.
     finely: bool,
     nodes: Vec<(f64, f64)>,
@@ -100,7 +100,7 @@ impl ForceRecorder {
     /// Returns the times of a step at which the force is sampled, ascending, with its end; also its start if that is
     /// not the end of the step before. `silent` is true if there is no force at a time; of a step without force only
     /// the end is sampled.
-    pub fn looks(
+    pub fn sample_times(
         &mut self,
         sys: &mut dyn SecondOrderSystem,
         step: &AcceptedStep<'_>,

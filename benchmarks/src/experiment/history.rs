@@ -141,7 +141,7 @@ impl History {
     }
 
     /// Sets the sample to a time within a step.
-    fn look(&mut self, step: &AcceptedStep<'_>, t: f64) {
+    fn sample_at(&mut self, step: &AcceptedStep<'_>, t: f64) {
         self.at_end = t >= step.to.t;
         state_within(step, t, &mut self.sample);
     }
@@ -213,7 +213,7 @@ impl Sink for History {
         while let Some(&t) = self.frames.times.get(self.frames.states.len())
             && t <= t1
         {
-            self.look(step, t.max(step.from.t));
+            self.sample_at(step, t.max(step.from.t));
             self.frames.states.push(self.sample.clone());
         }
         let mut looks = std::mem::take(&mut self.looks);
@@ -222,11 +222,11 @@ impl Sink for History {
         let recorded = step.from.t >= self.pieces_from;
         if let Some(pieces) = pieces.as_mut().filter(|_| recorded) {
             let silent = &mut |sys: &mut dyn SecondOrderSystem, t: f64| {
-                self.look(step, t);
+                self.sample_at(step, t);
                 sys.sample(self.sample.at(), &mut self.out);
                 self.is_silent()
             };
-            pieces.looks(sys, step, silent, &mut looks);
+            pieces.sample_times(sys, step, silent, &mut looks);
         }
         // Where no damper lets the force jump the grid shows all of it.
         let rows = self.also_steps && sys.has_jumps();
@@ -239,7 +239,7 @@ impl Sink for History {
             if t > t1 {
                 break;
             }
-            self.look(step, t);
+            self.sample_at(step, t);
             let of_grid = on_grid <= t;
             let mut keep = of_grid;
             if keep {

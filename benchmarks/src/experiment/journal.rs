@@ -75,7 +75,7 @@ fn build() -> String {
 
 /// A line of the journal: a finished piece of work.
 #[derive(Debug, Serialize, Deserialize)]
-struct Line<'a> {
+struct JournalLine<'a> {
     key: String,
     /// Checksum of the key and of the text of the result.
     sum: String,
@@ -83,9 +83,9 @@ struct Line<'a> {
     result: &'a RawValue,
 }
 
-impl<'a> Line<'a> {
+impl<'a> JournalLine<'a> {
     fn new(key: &str, result: &'a RawValue) -> Self {
-        Line {
+        JournalLine {
             key: key.to_owned(),
             sum: sum(key, result),
             result,
@@ -94,7 +94,7 @@ impl<'a> Line<'a> {
 
     /// Reads a line and verifies its checksum.
     fn read(bytes: &'a [u8]) -> Result<Self, String> {
-        let line: Line<'_> = serde_json::from_slice(bytes).map_err(|e| e.to_string())?;
+        let line: JournalLine<'_> = serde_json::from_slice(bytes).map_err(|e| e.to_string())?;
         if !bytes.ends_with(b"\n") {
             return Err("its end is missing".into());
         }
@@ -114,7 +114,7 @@ fn sum(key: &str, result: &RawValue) -> String {
 
 /// Place of the line of a finished piece in the file; results are read when they are needed.
 #[derive(Clone, Copy, Debug)]
-struct Place {
+struct LinePosition {
     line: usize,
     offset: u64,
     length: usize,
@@ -189,7 +189,7 @@ impl From<JournalError> for String {
 pub struct Journal {
     path: PathBuf,
     file: File,
-    places: HashMap<String, Place>,
+    places: HashMap<String, LinePosition>,
     lines: usize,
     length: u64,
 }
@@ -282,8 +282,8 @@ impl Journal {
             if length == 0 {
                 break;
             }
-            match (Line::read(&bytes), &unsound) {
-                (Ok(line), None) => self.keep(line.key, length),
+            match (JournalLine::read(&bytes), &unsound) {
+                (Ok(line), None) => self.add_place(line.key, length),
                 (Ok(_), Some((at, reason))) => return Err(self.damaged(*at, reason)),
                 (Err(reason), None) => unsound = Some((number, reason)),
                 (Err(_), Some(_)) => {}
@@ -296,9 +296,9 @@ impl Journal {
     }
 
     /// Registers the line that follows the last known one.
-    fn keep(&mut self, key: String, length: usize) {
+    fn add_place(&mut self, key: String, length: usize) {
         self.lines += 1;
-        let place = Place {
+        let place = LinePosition {
             line: self.lines,
             offset: self.length,
             length,
@@ -337,8 +337,8 @@ impl Journal {
     /// [`JournalError::Io`] when the file refuses.
     pub fn store(&mut self, key: &str, result: &impl Serialize) -> Result<(), JournalError> {
         let result = serde_json::value::to_raw_value(result).map_err(|e| self.io(e.into()))?;
-        let length = self.write(&Line::new(key, &result))?;
-        self.keep(key.to_owned(), length);
+        let length = self.write(&JournalLine::new(key, &result))?;
+        self.add_place(key.to_owned(), length);
         Ok(())
     }
 
@@ -355,7 +355,7 @@ impl Journal {
         (self.file.seek(SeekFrom::Start(place.offset)))
             .and_then(|_| self.file.read_exact(&mut bytes))
             .map_err(|e| self.io(e))?;
-        let read = Line::read(&bytes).and_then(|line| match line.key == key {
+        let read = JournalLine::read(&bytes).and_then(|line| match line.key == key {
             true => serde_json::from_str(line.result.get()).map_err(|e| e.to_string()),
             false => Err("its key belongs to another piece".into()),
         });

@@ -16,7 +16,7 @@
 //! | [`machine`] | computer, program and time of a record |
 //! | [`parallel`] | parallel execution of pieces of work |
 //! | `record` | the row of a run in the record, and its histories |
-//! | `referenced` | references in the form of records |
+//! | `reference_series` | references in the form of records |
 //! | [`run`] | run of one model under one integrator, a row of the record |
 //! | `parameters` | parameters of a run for its record |
 //! | `paths` | paths of torque and power through a train, load sharing between planets |
@@ -26,14 +26,15 @@
 //! | `settings` | settings of a scene for the report |
 //! | [`status`] | status of a run: one label for every kind of failure |
 //! | [`small_signals`] | equilibrium, natural modes and frequency response of linearised scenes |
-//! | `thin` | reduction of histories to the size of a record |
-//! | `watched` | a run with one more observer |
+//! | `decimation` | reduction of histories to the size of a record |
+//! | `monitored_observer` | a run with one more observer |
 
 pub mod budget;
 pub mod conditions;
 pub mod configuration;
 pub(crate) mod contact_log;
 pub(crate) mod converged;
+pub(crate) mod decimation;
 pub mod error;
 pub(crate) mod flanks;
 pub(crate) mod force;
@@ -42,12 +43,13 @@ pub mod interruption;
 pub mod journal;
 pub mod key;
 pub mod machine;
+mod monitored_observer;
 pub mod parallel;
 pub(crate) mod parameters;
 mod paths;
 pub mod pictures;
 pub(crate) mod record;
-pub(crate) mod referenced;
+pub(crate) mod reference_series;
 pub(crate) mod resample;
 pub mod run;
 pub mod runner;
@@ -55,5 +57,3 @@ pub(crate) mod settings;
 mod shaft_text;
 pub mod small_signals;
 pub mod status;
-pub(crate) mod thin;
-mod watched;

@@ -132,7 +132,7 @@ impl Frame {
         frame.pressure.resize(frame.places.len(), 0.0);
         for contact in scene.contact_forces(state.at()) {
             for (k, sign) in [-1.0, 1.0].into_iter().enumerate() {
-                frame.press(spec.meshes[contact.mesh].gears[k], sign, &contact);
+                frame.add_force(spec.meshes[contact.mesh].gears[k], sign, &contact);
             }
         }
         Ok(frame)
@@ -144,7 +144,7 @@ impl Frame {
     }
 
     /// Adds the force of a contact to the nearest node of a gear.
-    fn press(&mut self, gear: usize, sign: f64, contact: &ContactForce) {
+    fn add_force(&mut self, gear: usize, sign: f64, contact: &ContactForce) {
         let off = |n: &usize| (self.places[*n] - contact.x).norm_squared();
         let nearest = self.nodes(gear).min_by(|a, b| off(a).total_cmp(&off(b)));
         let Some(node) = nearest else { return };

@@ -388,8 +388,8 @@ fn tooth_columns(
         } else {
             "rad"
         };
-        type OfTooth = fn(&SprungTooth) -> f64;
-        let quantities: [(&str, &str, OfTooth); 4] = [
+        type ToothField = fn(&SprungTooth) -> f64;
+        let quantities: [(&str, &str, ToothField); 4] = [
             (TOOTH_DEFLECTION, of_deflection, |t| t.deflection),
             (TOOTH_RADIAL_FORCE, "n", |t| t.radial_n),
             (TOOTH_TANGENTIAL_FORCE, "n", |t| t.tangential_n),

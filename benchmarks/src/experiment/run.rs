@@ -7,6 +7,7 @@ use super::history::History;
 use super::interruption;
 use super::key::Key;
 use super::machine::cpu_time;
+use super::monitored_observer::MonitoredObserver;
 use super::parameters::parameters;
 use super::paths::torque_paths;
 use super::pictures::Pictures;
@@ -14,7 +15,6 @@ use super::record::{
     histories, ledger_record, momenta, reduction, sampled_impulse, snapshot, time_series,
 };
 use super::status::RunMonitor;
-use super::watched::Watched;
 use crate::experiment::small_signals::assemble;
 use gearbench_integrators::modal::resonance::{resonances, safe_step};
 use gearbench_integrators::system::{SecondOrderSystem, State};
@@ -201,7 +201,7 @@ pub fn run_from(
 }
 
 /// Runs a job as [`run_in`] does, with one more observer.
-pub fn run_watched(
+pub fn run_with_observer(
     job: &Job<'_>,
     scene: &mut Scene,
     setup: Duration,
@@ -259,7 +259,7 @@ fn timed_from(
     let outcome = match observer {
         None => method.run(scene, state, &plan, &mut monitor, &mut work),
         Some(observer) => {
-            let mut both = Watched {
+            let mut both = MonitoredObserver {
                 monitor: &mut monitor,
                 observer,
             };

@@ -24,11 +24,11 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Callback that receives the number of finished pieces that an interrupted start left in the journal.
-pub type Announce<'a> = &'a (dyn Fn(usize) + Sync);
+pub type ResumeCallback<'a> = &'a (dyn Fn(usize) + Sync);
 
 /// Number of pieces that were taken from the journal.
 #[derive(Debug, Default)]
-struct Resumed {
+struct ResumedPieces {
     pieces: usize,
     announced: bool,
 }
@@ -41,8 +41,8 @@ pub struct Runner<'a> {
     kept: AtomicU64,
     /// Budget of processor time of all pieces together.
     budget: Budget,
-    resumed: Mutex<Resumed>,
-    announce: Announce<'a>,
+    resumed: Mutex<ResumedPieces>,
+    announce: ResumeCallback<'a>,
 }
 
 impl Drop for Runner<'_> {
@@ -91,7 +91,7 @@ impl<'a> Runner<'a> {
     /// Sets the callback for the number of pieces that are taken from an interrupted start. It is called once, before
     /// the first piece is computed or at the end.
     #[must_use]
-    pub fn announcing(mut self, announce: Announce<'a>) -> Self {
+    pub fn announcing(mut self, announce: ResumeCallback<'a>) -> Self {
         self.announce = announce;
         self
     }
@@ -120,12 +120,12 @@ impl<'a> Runner<'a> {
     }
 
     /// Reports progress: number of runs done, their total number so far, and the name of the next.
-    pub fn tell(&self, done: usize, total: usize, what: &str) {
+    pub fn report_progress(&self, done: usize, total: usize, what: &str) {
         (self.progress)(done, total, what);
     }
 
     /// Subtracts the memory of a row that the study keeps from the memory for further runs.
-    pub fn keeps(&self, row: &Run) {
+    pub fn reserve_memory(&self, row: &Run) {
         let bytes = 8 * numbers_of(row) as u64;
         limits::reserve(bytes);
         self.kept.fetch_add(bytes, Ordering::Relaxed);
@@ -158,11 +158,11 @@ impl<'a> Runner<'a> {
     {
         match self.finished(key)? {
             Some(found) => Ok(found),
-            None => Ok(self.keep(key, make()?)?),
+            None => Ok(self.store(key, make()?)?),
         }
     }
 
-    fn keep<T: Serialize>(&self, key: Key, made: T) -> Result<T, JournalError> {
+    fn store<T: Serialize>(&self, key: Key, made: T) -> Result<T, JournalError> {
         if let Some(journal) = &self.journal {
             lock(journal).store(&key.to_string(), &made)?;
         }
@@ -234,7 +234,7 @@ impl<'a> Runner<'a> {
             return Ok(found);
         }
         match attempt(make) {
-            Ok(row) => Ok(self.keep(key, row)?),
+            Ok(row) => Ok(self.store(key, row)?),
             Err(e) => {
                 let (status, why) = e.row()?;
                 Ok(not_made(status, why))
@@ -245,7 +245,7 @@ impl<'a> Runner<'a> {
 
 /// Reason why the work on one model has no result.
 #[derive(Debug)]
-pub enum NotMade<E> {
+pub enum WorkError<E> {
     /// The study was interrupted.
     Interrupted,
     /// The work ended with an error of the model or of the study.
@@ -254,22 +254,22 @@ pub enum NotMade<E> {
     Panic(String),
 }
 
-impl<E: ModelRefusal> NotMade<E> {
+impl<E: ModelRefusal> WorkError<E> {
     /// Status and message of the row for work without result.
     ///
     /// # Errors
     /// An error that is not of the model ends the study.
     pub fn row(self) -> Result<(Status, String), E> {
         match self {
-            NotMade::Interrupted => Ok((
+            WorkError::Interrupted => Ok((
                 Status::Interrupted,
                 "not run: the study was interrupted".into(),
             )),
-            NotMade::Error(e) => match e.refusal() {
+            WorkError::Error(e) => match e.refusal() {
                 Some(why) => Ok((Status::Refused, why)),
                 None => Err(e),
             },
-            NotMade::Panic(why) => Ok((Status::Aborted, why)),
+            WorkError::Panic(why) => Ok((Status::Aborted, why)),
         }
     }
 }
@@ -277,15 +277,15 @@ impl<E: ModelRefusal> NotMade<E> {
 /// Runs the work on one model, isolated so that its errors and panics do not end other work.
 ///
 /// # Errors
-/// [`NotMade`].
-pub fn attempt<T, E>(make: impl FnOnce() -> Result<T, E>) -> Result<T, NotMade<E>> {
+/// [`WorkError`].
+pub fn attempt<T, E>(make: impl FnOnce() -> Result<T, E>) -> Result<T, WorkError<E>> {
     if interruption::requested() {
-        return Err(NotMade::Interrupted);
+        return Err(WorkError::Interrupted);
     }
     match catch_unwind(AssertUnwindSafe(make)) {
-        Ok(Err(_)) if interruption::requested() => Err(NotMade::Interrupted),
-        Ok(made) => made.map_err(NotMade::Error),
-        Err(panic) => Err(NotMade::Panic(failure(&*panic))),
+        Ok(Err(_)) if interruption::requested() => Err(WorkError::Interrupted),
+        Ok(made) => made.map_err(WorkError::Error),
+        Err(panic) => Err(WorkError::Panic(failure(&*panic))),
     }
 }
 

@@ -91,13 +91,13 @@ pub fn settings(
         .collect();
     row("integrators of the scene", steps.join("; "));
     for odd in &scene.odd {
-        row("odd", odd.told());
+        row("odd", odd.to_text());
     }
     rows
 }
 
 /// Describes the direction of the axis and the out-of-plane motion of the hub.
-fn sideways(g: &GearSpec) -> String {
+fn out_of_plane_text(g: &GearSpec) -> String {
     let mut text = String::new();
     let axis = g.axes[2];
     if axis.z != 1.0 {
@@ -186,7 +186,7 @@ fn gear_text(g: &GearSpec) -> String {
     });
     format!(
         "{toothing}; {mount}{guide}{}, inertia {} {unit}, initial speed {} {speed}, {}",
-        sideways(g),
+        out_of_plane_text(g),
         short(inertia + g.added_inertia, 5),
         short(g.speed, 5),
         loads(g)

@@ -4,9 +4,9 @@ use super::arguments::Fmu;
 use super::interface::{Interface, Role};
 use super::package::Package;
 use super::settings::SETTINGS;
-use crate::cli::answer::Answer;
-use crate::cli::files::{Overwriting, write_whole};
-use crate::cli::terminal::{Refusal, absolute, refuse_run, say};
+use crate::cli::command_result::CommandResult;
+use crate::cli::files::{ReplaceableFiles, write_whole};
+use crate::cli::terminal::{Refusal, absolute, print_line, refuse_run};
 use crate::experiment::run::RunError;
 use crate::fmu::coupled::Coupled;
 use crate::scene_file::{self, ModelChoice, SceneError, SceneFile, Selection};
@@ -18,14 +18,14 @@ fn bad(why: impl Into<String>, help: impl Into<String>) -> Refusal {
 }
 
 /// Packs a model of a scene as an FMU and writes the file.
-pub fn run(args: &Fmu) -> Result<Answer, Refusal> {
+pub fn run(args: &Fmu) -> Result<CommandResult, Refusal> {
     let scene = scene_file::load_for(&args.scene, Selection::None)?;
     let choice = choice(args, &scene)?;
     let path = (args.out.clone()).unwrap_or_else(|| format!("{}.fmu", scene.name).into());
     let mut inputs = scene.inputs();
     inputs.extend(args.library.clone());
     inputs.extend(places(&library_name()));
-    let overwriting = Overwriting {
+    let overwriting = ReplaceableFiles {
         inputs: &inputs,
         // Names of files stand in an archive as they are.
         mark: Some(&format!("resources/{SETTINGS}")),
@@ -46,9 +46,9 @@ pub fn run(args: &Fmu) -> Result<Answer, Refusal> {
     let archive = package.archive().map_err(fail)?;
     write_whole(&path, archive).map_err(fail)?;
     let path = absolute(path);
-    say(&format!("written: {}", path.display()));
-    say(&told(&coupled.interface));
-    Ok(Answer::done().with("written", path))
+    print_line(&format!("written: {}", path.display()));
+    print_line(&summary_line(&coupled.interface));
+    Ok(CommandResult::done().with("written", path))
 }
 
 /// The requested model, or the first of the study.
@@ -133,7 +133,7 @@ fn places(name: &str) -> Vec<PathBuf> {
 
 /// Describes an interface in one line: number of inputs, outputs and continuous states, and the kinds of FMI that it
 /// supports.
-fn told(all: &Interface) -> String {
+fn summary_line(all: &Interface) -> String {
     let count = |of: &dyn Fn(&Role) -> bool| {
         let roles = all.variables.iter().map(|v| v.role);
         roles.filter(of).count()

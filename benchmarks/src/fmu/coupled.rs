@@ -12,7 +12,7 @@ use gearbench_models::spec::{Load, Mount, Profile, SceneSpec, StationMember, ini
 
 /// Quantity of the scene on which an input of a host acts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Acts {
+pub enum InputQuantity {
     /// A load of a member, by its index among the loads of the member.
     Load(usize),
     /// The prescribed motion of the hub.
@@ -27,7 +27,7 @@ pub struct Port {
     /// Name of the member, as in the scene.
     pub name: String,
     /// Load or motion that the inputs set.
-    pub acts: Acts,
+    pub acts: InputQuantity,
     /// True if the member translates: forces and displacements in place of torques and angles.
     pub slides: bool,
     /// Initial speed of a moved hub [rad/s] or [m/s].
@@ -66,8 +66,8 @@ impl Coupled {
             let hub = gear.model.hub();
             let load = loaded.iter().find(|(name, _)| *name == gear.name);
             let acts = match load {
-                Some(&(_, place)) => Acts::Load(place),
-                None if moved.contains(&gear.name) => Acts::Motion,
+                Some(&(_, place)) => InputQuantity::Load(place),
+                None if moved.contains(&gear.name) => InputQuantity::Motion,
                 None => continue,
             };
             ports.push(Port {

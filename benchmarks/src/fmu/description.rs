@@ -17,7 +17,7 @@ const UNITS: [(&str, [i32; 4]); 7] = [
 
 /// Data of the model description that are not variables: names, token, method, default experiment.
 #[derive(Clone, Copy, Debug)]
-pub struct Head<'a> {
+pub struct DescriptionHeader<'a> {
     /// Name of the shared library in the FMU.
     pub identifier: &'a str,
     /// Name of the scene.
@@ -51,7 +51,7 @@ fn escaped(text: &str) -> String {
 }
 
 /// Default communication step of a host [s]: a sampling interval of the scene, in whole steps of the method.
-fn default_step(head: &Head<'_>) -> f64 {
+fn default_step(head: &DescriptionHeader<'_>) -> f64 {
     let sample = head.duration / head.samples.max(1) as f64;
     match head.scheme.resolution {
         Resolution::Step(h) => h * (sample / h).round().max(1.0),
@@ -60,9 +60,9 @@ fn default_step(head: &Head<'_>) -> f64 {
 }
 
 /// The text of the model description.
-pub fn text(head: &Head<'_>, all: &Interface) -> String {
+pub fn text(head: &DescriptionHeader<'_>, all: &Interface) -> String {
     let mut out = String::from("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n");
-    let Head {
+    let DescriptionHeader {
         identifier, token, ..
     } = head;
     let [name, title] = [head.name, head.title].map(escaped);

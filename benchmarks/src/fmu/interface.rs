@@ -1,6 +1,6 @@
 //! FMI variables of a scene with names, units and roles. The value reference of a variable is its index in the list.
 
-use super::coupled::{Acts, Port};
+use super::coupled::{InputQuantity, Port};
 use gearbench_integrators::SecondOrderSystem;
 use gearbench_models::scene::{Channel, OfGear, OfMesh, Scene};
 use gearbench_models::spec::SceneSpec;
@@ -130,8 +130,8 @@ impl Interface {
             true => "along its slide",
         };
         let quantities = match port.acts {
-            Acts::Load(_) => vec![(Quantity::Load, load, 0.0, "that the host applies")],
-            Acts::Motion => vec![
+            InputQuantity::Load(_) => vec![(Quantity::Load, load, 0.0, "that the host applies")],
+            InputQuantity::Motion => vec![
                 (Quantity::Place, place, 0.0, "from the assembled position"),
                 (Quantity::Speed, speed, port.speed, "of its hub"),
             ],
@@ -167,7 +167,7 @@ impl Interface {
             let hub = gear.model.hub();
             let moved = ports
                 .iter()
-                .any(|p| p.member == i && p.acts == Acts::Motion);
+                .any(|p| p.member == i && p.acts == InputQuantity::Motion);
             for what in OfGear::ALL {
                 let is_motion = matches!(what, OfGear::HubSpeed | OfGear::Displacement);
                 let aside = OfGear::aside().contains(&what);

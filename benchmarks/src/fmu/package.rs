@@ -1,7 +1,7 @@
 //! Contents and archive of an FMU.
 
 use super::coupled::Coupled;
-use super::description::{self, Head};
+use super::description::{self, DescriptionHeader};
 use super::settings::{CALIBRATION, SCENE, SETTINGS, Settings};
 use crate::experiment::key::files;
 use crate::scene_file::{Calibration, ModelChoice, Origin, SceneError, SceneFile};
@@ -68,7 +68,7 @@ impl Package {
         let scene = alone(file, &choice.label)?;
         let token = Settings::token(&settings, &scene);
         let identifier = identifier(&file.name);
-        let head = Head {
+        let head = DescriptionHeader {
             identifier: &identifier,
             name: &file.name,
             title: &file.title,

@@ -53,7 +53,7 @@ pub enum OpenError {
     #[error("{SETTINGS}: {0}; pack the FMU again with `gearbench fmu`")]
     Settings(#[from] serde_json::Error),
     /// The scene cannot be read.
-    #[error("{}", .0.told())]
+    #[error("{}", .0.to_text())]
     Scene(#[from] SceneError),
     /// The resources differ from the packed ones.
     #[error("{0}; pack the FMU again with `gearbench fmu`")]
@@ -61,7 +61,7 @@ pub enum OpenError {
 }
 
 /// A scene that is opened from the resources of an FMU.
-pub struct Opened {
+pub struct OpenedScene {
     /// The scene with its ports and variables.
     pub coupled: Coupled,
     /// Integration method of co-simulation with its step or tolerance.
@@ -100,7 +100,7 @@ impl Settings {
 ///
 /// # Errors
 /// A resource is missing, was changed, or comes from another version.
-pub fn open(resources: &Path, token: &str) -> Result<Opened, OpenError> {
+pub fn open(resources: &Path, token: &str) -> Result<OpenedScene, OpenError> {
     let read = |name: &str| {
         let path = resources.join(name);
         std::fs::read_to_string(&path).map_err(|error| OpenError::Read {
@@ -128,7 +128,7 @@ pub fn open(resources: &Path, token: &str) -> Result<Opened, OpenError> {
             settings.gearbench
         )));
     }
-    Ok(Opened {
+    Ok(OpenedScene {
         coupled,
         scheme,
         events: settings.events,

@@ -1,7 +1,7 @@
 //! Calibrations: constants of models that were fitted to a reference, in generated files.
 //!
 //! `gearbench identify SCENE --write` writes them, and a model with `calibration = "impact"` reads them; they are never
-//! written by hand. The data of the fit determine their range of validity ([`FittedTo`]). A file has a header of
+//! written by hand. The data of the fit determine their range of validity ([`CalibrationKind`]). A file has a header of
 //! comments (command, errors of the fit) and one table per calibration and model label:
 //!
 //! ```toml
@@ -19,7 +19,7 @@
 //! calibrations next to it, as `NAME.calibration.toml`.
 
 use super::error::SceneError;
-use super::reading::values::InOrder;
+use super::reading::values::OrderedTable;
 use super::reading::{Document, Place, suggest};
 use gearbench_models::law::Damping;
 use gearbench_models::spec::{Modelling, Value};
@@ -30,7 +30,7 @@ use std::fmt::Write as _;
 
 /// Kind of data to which constants were fitted; it is the name of a calibration.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum FittedTo {
+pub enum CalibrationKind {
     /// Fitted to the force history of one impact.
     #[default]
     Impact,
@@ -40,16 +40,20 @@ pub enum FittedTo {
     Running,
 }
 
-impl FittedTo {
+impl CalibrationKind {
     /// All kinds, in the order of the documentation.
-    pub const ALL: [FittedTo; 3] = [FittedTo::Impact, FittedTo::Static, FittedTo::Running];
+    pub const ALL: [CalibrationKind; 3] = [
+        CalibrationKind::Impact,
+        CalibrationKind::Static,
+        CalibrationKind::Running,
+    ];
 
     /// The name in files and on the command line.
     pub const fn as_str(self) -> &'static str {
         match self {
-            FittedTo::Impact => "impact",
-            FittedTo::Static => "static",
-            FittedTo::Running => "running",
+            CalibrationKind::Impact => "impact",
+            CalibrationKind::Static => "static",
+            CalibrationKind::Running => "running",
         }
     }
 
@@ -61,13 +65,13 @@ impl FittedTo {
     /// The range of validity of the constants, in words.
     pub fn holds_for(self) -> &'static str {
         match self {
-            FittedTo::Impact => {
+            CalibrationKind::Impact => {
                 "single impacts; under constant load the stiffness is too high, since an impact ends before the bodies deform"
             }
-            FittedTo::Static => {
+            CalibrationKind::Static => {
                 "gears at rest and slow running under load; for impacts the stiffness is too low"
             }
-            FittedTo::Running => {
+            CalibrationKind::Running => {
                 "running under load with impacts, with the best single set of constants"
             }
         }
@@ -75,20 +79,20 @@ impl FittedTo {
 
     /// True if the fit includes the force history of the scene's reference.
     pub fn to_history(self) -> bool {
-        self != FittedTo::Static
+        self != CalibrationKind::Static
     }
 
     /// True if the fit includes the static compliance.
     pub fn to_statics(self) -> bool {
-        self != FittedTo::Impact
+        self != CalibrationKind::Impact
     }
 }
 
 /// Valid names of calibrations.
 pub(super) const NAMES: [&str; 3] = [
-    FittedTo::Impact.as_str(),
-    FittedTo::Static.as_str(),
-    FittedTo::Running.as_str(),
+    CalibrationKind::Impact.as_str(),
+    CalibrationKind::Static.as_str(),
+    CalibrationKind::Running.as_str(),
 ];
 
 /// Fitted constants of one model.
@@ -168,7 +172,7 @@ impl Constants {
 
     /// Adds the constants of `older` that these do not contain.
     #[must_use]
-    pub fn beside(&self, older: &Constants) -> Constants {
+    pub fn merged_with(&self, older: &Constants) -> Constants {
         let all = [older.by_key(), self.by_key()].concat();
         Constants::of(all.iter().map(|(key, x)| (key.as_str(), *x)))
     }
@@ -242,14 +246,14 @@ pub(super) enum OneOrOfGear {
     #[serde(rename = "<number>")]
     One(f64),
     #[serde(rename = "<table>")]
-    OfGear(InOrder<f64>),
+    OfGear(OrderedTable<f64>),
 }
 
 /// Tables of constants by name of the calibration and label of the model.
-pub(super) type Sets = InOrder<InOrder<InOrder<OneOrOfGear>>>;
+pub(super) type Sets = OrderedTable<OrderedTable<OrderedTable<OneOrOfGear>>>;
 
 /// Flattens nested constants to keys with their places in the file.
-fn flat<'a>(values: InOrder<OneOrOfGear>, at: &Place<'a>) -> Vec<(String, f64, Place<'a>)> {
+fn flat<'a>(values: OrderedTable<OneOrOfGear>, at: &Place<'a>) -> Vec<(String, f64, Place<'a>)> {
     let of = |(key, value): (String, OneOrOfGear)| match value {
         OneOrOfGear::One(x) => {
             let at = at.key(&key);

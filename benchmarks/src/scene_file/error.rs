@@ -38,7 +38,7 @@ impl SceneError {
         let Some(mut first) = errors.next() else {
             return SceneError::plain("nothing can run", "");
         };
-        let others: Vec<String> = errors.map(|e| e.told()).collect();
+        let others: Vec<String> = errors.map(|e| e.to_text()).collect();
         if !others.is_empty() {
             let help = first.help.take().unwrap_or_default();
             let others = others.join("\n");
@@ -60,7 +60,7 @@ impl SceneError {
     }
 
     /// Formats the error in one line: file and line, message, help.
-    pub fn told(&self) -> String {
+    pub fn to_text(&self) -> String {
         let place = match (&self.source_code, self.line()) {
             (Some(source), Some(line)) => format!("{}:{line}: ", source.name()),
             _ => String::new(),

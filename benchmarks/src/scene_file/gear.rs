@@ -5,12 +5,12 @@ mod params;
 use super::deviations::{DeviationKeys, deviations};
 use super::error::SceneError;
 use super::geometry::geometry;
-use super::lateral::{
-    BearingKeys, DirectionKeys, LateralKeys, MisalignmentKeys, Position, Spin, lateral,
-};
 use super::material::{MaterialChoice, material};
-use super::modifications::{BySide, EndReliefKeys, Measured, TopographyKeys, topography};
-use super::plausible::pressure_angle;
+use super::modifications::{EndReliefKeys, MeasuredFlanks, PerSide, TopographyKeys, topography};
+use super::out_of_plane::{
+    BearingKeys, DirectionKeys, MisalignmentKeys, OutOfPlaneKeys, Position, Spin, out_of_plane,
+};
+use super::plausibility::pressure_angle;
 use super::profile::{GearLoad, GearMount, RackLoad, RackMount};
 use super::reading::Place;
 use super::reading::keys::keys;
@@ -84,9 +84,9 @@ keys! {
         /// relief at the ends of the face: { low = { amount_m, length_m, shape = "linear" or "parabolic" }, high = { .. } }
         end_relief: Option<EndReliefKeys>,
         /// material removed towards the upper end of the face (below 0 the lower one), growing linearly from the other, in metres: a number or { left, right }, default 0
-        helix_slope_m: Option<BySide>,
+        helix_slope_m: Option<PerSide>,
         /// how much more the tip has removed over the form circle at the upper end of the face than at the lower one, in metres: a number or { left, right }, default 0
-        twist_m: Option<BySide>,
+        twist_m: Option<PerSide>,
         /// measured flanks on a grid: { both = "flank.csv", unit_m = 1e-6 }, or left and right as lists of rows
         topography: Option<Box<TopographyKeys>>,
         /// deviations of single teeth: { class = 6, seed = 1 } of ISO 1328-1, or measured
@@ -217,7 +217,7 @@ struct Hub {
     axis: Option<[f64; 3]>,
     misalignment: Option<MisalignmentKeys>,
     facing: Option<Degrees>,
-    lateral: LateralKeys,
+    lateral: OutOfPlaneKeys,
     /// Index of the own motion among the six directions of the hub.
     own: usize,
     loads: Vec<Load>,
@@ -271,7 +271,7 @@ pub(super) fn gear(
         ToothedKeys::Gear(keys) => {
             topography(keys.topography.as_deref(), folder, &at.key("topography"))?
         }
-        ToothedKeys::Rack(_) => Measured::default(),
+        ToothedKeys::Rack(_) => MeasuredFlanks::default(),
     };
     let body = match &keys {
         ToothedKeys::Gear(keys) => {
@@ -292,7 +292,7 @@ pub(super) fn gear(
             axis: keys.axis,
             misalignment: keys.misalignment_deg,
             facing: None,
-            lateral: LateralKeys {
+            lateral: OutOfPlaneKeys {
                 bearing: keys.bearing,
                 directions: keys.directions,
                 mass: keys.mass_kg,
@@ -314,7 +314,7 @@ pub(super) fn gear(
             axis: None,
             misalignment: None,
             facing: keys.facing_deg,
-            lateral: LateralKeys {
+            lateral: OutOfPlaneKeys {
                 bearing: keys.bearing,
                 directions: keys.directions,
                 mass: keys.mass_kg,
@@ -343,7 +343,7 @@ pub(super) fn gear(
             speed: initial_speed(speed, &hub.mount.0, key, at)?,
             mount: hub.mount.0,
             guide: hub.mount.1,
-            lateral: lateral(hub.lateral, hub.own, at)?,
+            lateral: out_of_plane(hub.lateral, hub.own, at)?,
             position: [0.0; 3],
             axes: UPRIGHT,
             facing: 0.0,

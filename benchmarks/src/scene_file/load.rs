@@ -59,7 +59,7 @@ fn load_with(
     let labels: Vec<&str> = chosen.iter().map(|m| m.label.as_str()).collect();
     let is_chosen = |i: &usize| labels.contains(&file.models[*i].label.as_str());
     let chosen: Vec<usize> = (0..file.models.len()).filter(is_chosen).collect();
-    file.odd.iter().for_each(|odd| warn(&odd.told()));
+    file.odd.iter().for_each(|odd| warn(&odd.to_text()));
     file.build(&chosen, calibrated)?;
     Ok(file)
 }
@@ -80,15 +80,15 @@ impl SceneFile {
         let display = Display::new(chosen.len());
         let known = self.refused.len();
         let odd = self.check(chosen, calibrated, &|done, label| {
-            display.tell(done, chosen.len(), &format!("building the model `{label}`"));
+            display.report_progress(done, chosen.len(), &format!("building the model `{label}`"));
         })?;
         drop(display);
-        odd.iter().for_each(|odd| warn(&odd.told()));
+        odd.iter().for_each(|odd| warn(&odd.to_text()));
         for refused in &self.refused[known..] {
             warn(&format!(
                 "the model `{}` is refused, the others run: {}",
                 refused.label,
-                refused.error.told()
+                refused.error.to_text()
             ));
         }
         Ok(())
@@ -114,7 +114,7 @@ pub fn load_uncalibrated(
 /// [`SceneError`] with file, line and help.
 pub fn load_unbuilt(path_or_name: &str) -> Result<SceneFile, SceneError> {
     let file = read(path_or_name, false)?;
-    file.odd.iter().for_each(|odd| warn(&odd.told()));
+    file.odd.iter().for_each(|odd| warn(&odd.to_text()));
     Ok(file)
 }
 

@@ -7,11 +7,11 @@
 use super::error::SceneError;
 use super::gear::GearDraft;
 use super::geometry::keys_of;
-use super::lateral::{MisalignmentKeys, misaligned};
+use super::out_of_plane::{MisalignmentKeys, misaligned};
 use super::reading::Place;
 use super::reading::keys::keys;
 use super::reading::values::{Degrees, GearName, Positive};
-use super::shaft::{OnShaft, place_by_shaft};
+use super::shaft::{ShaftGears, place_by_shaft};
 use gearbench_models::Vec3;
 use gearbench_models::error::Reason;
 use gearbench_models::geometry::{Gear, GeometryError, Pair, Rack, Side};
@@ -52,7 +52,7 @@ keys! {
 pub(super) fn meshes(
     list: &[MeshKeys],
     gears: &mut [GearDraft],
-    shafts: &[OnShaft],
+    shafts: &[ShaftGears],
     root: &Place<'_>,
 ) -> Result<Vec<MeshSpec>, SceneError> {
     direct(gears);
@@ -73,7 +73,7 @@ pub(super) fn meshes(
             ));
         }
         place_by_shaft(shafts, gears, &mut placed, pair);
-        put(keys, gears, pair, &mut placed, &at)?;
+        place_gears(keys, gears, pair, &mut placed, &at)?;
         let built = pair_at(&gears[pair[0]], &gears[pair[1]], &at)?;
         let again = pair.map(|i| std::mem::replace(&mut seen[i], true));
         if keys.start.is_some() && again == [true; 2] {
@@ -139,7 +139,7 @@ fn pair_of(keys: &MeshKeys, gears: &[GearDraft], at: &Place<'_>) -> Result<[usiz
 }
 
 /// Sets the positions of gears that have none.
-fn put(
+fn place_gears(
     keys: &MeshKeys,
     gears: &mut [GearDraft],
     [a, b]: [usize; 2],

@@ -6,10 +6,10 @@
 //! | `error` | errors with line and help |
 //! | `load` | scenes by name or path |
 //! | `gear`, `geometry`, `profile`, `mesh` | `[gears.NAME]`, its loads and mount, `[[meshes]]` |
-//! | `model`, `calibrated`, [`calibration`] | `[[models]]`, fitted constants |
+//! | `model`, `calibration_choice`, [`calibration`] | `[[models]]`, fitted constants |
 //! | `contact`, `contact_points`, `stiffness` | `contact = { .. }` |
 //! | `study_plan` | `[study]`, `tolerance`; keys of a single study belong to its module |
-//! | `plausible`, `usual` | refusal of impossible values, warnings on unusual ones |
+//! | `plausibility`, `typical_ranges` | refusal of impossible values, warnings on unusual ones |
 //! | `motion` | warnings on initial speeds and loads that do not suit the train |
 //! | `selection` | models by their labels |
 //! | `formulas` | warnings outside the validity range of a stiffness formula |
@@ -20,8 +20,8 @@
 //! All errors of a file are found when it is loaded, including those of geometry, force laws, stiffness and model
 //! parameters: every model of a scene is built once.
 
-mod calibrated;
 pub mod calibration;
+mod calibration_choice;
 mod contact;
 mod contact_points;
 mod deviations;
@@ -29,7 +29,6 @@ mod error;
 mod formulas;
 mod gear;
 mod geometry;
-mod lateral;
 mod load;
 mod locate;
 mod material;
@@ -37,7 +36,8 @@ mod mesh;
 mod model;
 mod modifications;
 mod motion;
-mod plausible;
+mod out_of_plane;
+mod plausibility;
 mod profile;
 pub(crate) mod reading;
 pub mod references;
@@ -50,17 +50,17 @@ pub(crate) mod study_plan;
 pub(crate) mod tables;
 #[cfg(test)]
 mod tests;
-mod usual;
+mod typical_ranges;
 
-pub use calibrated::CalibrationUse;
 pub use calibration::Calibration;
+pub use calibration_choice::CalibrationUse;
 pub use error::SceneError;
 pub(crate) use formulas::formula_limits;
 pub use load::{Selection, load, load_for, load_unbuilt, load_uncalibrated};
 pub use model::ModelChoice;
 pub(crate) use reading::suggest::did_you_mean;
-pub use references::{Held, NamedReference, ReferenceConditions};
-pub use shipped::{SHIPPED, Shipped};
+pub use references::{LoadedReference, NamedReference, ReferenceConditions};
+pub use shipped::{SHIPPED, ShippedScene};
 pub use study_plan::Study;
 
 use crate::models::models as model_table;
@@ -71,7 +71,7 @@ use gearbench_models::spec::{GearSpec, SceneSpec};
 use gearbench_reports::record::Tolerance;
 use reading::Document;
 use reading::keys::keys;
-use reading::values::{InOrder, Positive};
+use reading::values::{OrderedTable, Positive};
 use references::{ReferenceChoice, ReferenceKeys};
 use serde::Deserialize;
 use std::path::PathBuf;
@@ -98,7 +98,7 @@ keys! {
         /// greatest error that is accurate enough, 0.05 or { metric, limit, against, except }
         tolerance: Option<study_plan::ToleranceChoice>,
         /// tables [gears.NAME]
-        gears: InOrder<gear::ToothedKeys>,
+        gears: OrderedTable<gear::ToothedKeys>,
         /// tables [[meshes]]
         meshes: Vec<mesh::MeshKeys>,
         /// tables [[shafts]]: shafts with several gears, or with gears and bodies without teeth
@@ -233,7 +233,7 @@ impl SceneFile {
         calibrated: bool,
     ) -> Result<Self, SceneError> {
         let (document, keys): (_, SceneKeys) = Document::read(name, text, known_words)?;
-        let odd = usual::lengths(&document);
+        let odd = typical_ranges::lengths(&document);
         let file = Self::from_keys(document, keys, origin, calibrated);
         let mut file = file.map_err(|e| e.with_remarks(&odd))?;
         file.odd.extend(odd);
@@ -305,7 +305,7 @@ impl SceneFile {
         mesh::misalign(&mut spec, misalignments, &root.key("gears"))?;
         mesh::check_axes(&spec, keys.duration_s.0, &root.key("gears"))?;
         shaft::roll_planets(&mut spec, &root.key("gears"));
-        let beside = references::Beside {
+        let beside = references::SceneParts {
             spec: &spec,
             labels: &labels,
             folder,
@@ -335,7 +335,7 @@ impl SceneFile {
             refused: Vec::new(),
             document,
         };
-        file.odd = plausible::check(&file)?;
+        file.odd = plausibility::check(&file)?;
         Ok(file)
     }
 
@@ -346,7 +346,7 @@ impl SceneFile {
     pub fn check_steps(&self, schemes: &[Scheme]) -> Result<(), SceneError> {
         match schemes
             .iter()
-            .find_map(|s| plausible::too_long(s, self.duration))
+            .find_map(|s| plausibility::step_too_long(s, self.duration))
         {
             Some(why) => Err(SceneError::plain(why, "give a smaller step, as in rk4@1us")),
             None => Ok(()),

@@ -1,11 +1,11 @@
 //! The list `[[models]]`: models that a study compares.
 
-use super::calibrated::{CalibrationChoice, CalibrationUse, FindCalibration, calibration};
+use super::calibration_choice::{CalibrationChoice, CalibrationUse, FindCalibration, calibration};
 use super::contact::{ContactKeys, contact};
 use super::error::SceneError;
 use super::gear::GearDraft;
 use super::reading::keys::keys;
-use super::reading::values::{InOrder, ModelId, OneOrMany};
+use super::reading::values::{ModelId, OneOrMany, OrderedTable};
 use super::reading::{Place, suggest};
 use super::study_plan::{IntegratorKeys, schemes};
 use gearbench_integrators::Scheme;
@@ -18,17 +18,17 @@ use std::path::Path;
 keys! {
     pub(super) struct ModelKeys {
         /// name of this configuration in reports and on the command line, default the model's id
-        label: Option<OwnLabel>,
+        label: Option<ModelLabel>,
         /// id of the gear model, for example "rigid"; `gearbench list` shows all
         model: ModelId,
         /// other models for single gears, for example { wheel = "rigid" }
         #[serde(default)]
-        gears: InOrder<OfGear>,
+        gears: OrderedTable<GearModelEntry>,
         /// { stiffness, exponent, damping, friction, slices }, or a list with one per mesh
         contact: OneOrMany<ContactKeys>,
         /// parameters of the gear model, SI units in their names
         #[serde(default)]
-        parameters: InOrder<ParameterValue>,
+        parameters: OrderedTable<ParameterValue>,
         /// gap at the start for this model [m], in place of the scene's
         gap_m: Option<f64>,
         /// integrators of this model, in place of the study's
@@ -42,21 +42,21 @@ keys! {
         calibration: Option<CalibrationChoice>,
     }
 
-    pub(super) struct OfGearKeys {
+    pub(super) struct GearModelKeys {
         /// id of the gear model
         model: ModelId,
         /// parameters of the gear model, SI units in their names
         #[serde(default)]
-        parameters: InOrder<ParameterValue>,
+        parameters: OrderedTable<ParameterValue>,
     }
 }
 
 /// A label for legends and for `--models a,b`.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(try_from = "String")]
-struct OwnLabel(String);
+struct ModelLabel(String);
 
-impl TryFrom<String> for OwnLabel {
+impl TryFrom<String> for ModelLabel {
     type Error = String;
 
     fn try_from(text: String) -> Result<Self, String> {
@@ -66,7 +66,7 @@ impl TryFrom<String> for OwnLabel {
             && !text.chars().any(char::is_control)
             && text.trim() == text;
         let shown: String = text.chars().take(60).collect();
-        fits.then_some(OwnLabel(text)).ok_or_else(|| {
+        fits.then_some(ModelLabel(text)).ok_or_else(|| {
             format!(
                 "the label {shown:?} cannot be used: expected 1 to 60 characters without commas and control characters"
             )
@@ -76,11 +76,11 @@ impl TryFrom<String> for OwnLabel {
 
 /// Model of one gear.
 #[derive(Clone, Debug, Deserialize)]
-enum OfGear {
+enum GearModelEntry {
     #[serde(rename = "<text>")]
     Id(ModelId),
     #[serde(rename = "<table>")]
-    Own(OfGearKeys),
+    Own(GearModelKeys),
 }
 
 /// Value of a parameter of a gear model.
@@ -197,14 +197,14 @@ fn model(
         let gear = &mut gears[found];
         match of {
             // Parameters of the configuration go to the gears that take its model.
-            OfGear::Id(ModelId(id)) if id == model => {}
-            OfGear::Id(ModelId(id)) => {
+            GearModelEntry::Id(ModelId(id)) if id == model => {}
+            GearModelEntry::Id(ModelId(id)) => {
                 *gear = ModelSpec {
                     id,
                     parameters: Parameters::new(),
                 };
             }
-            OfGear::Own(keys) => {
+            GearModelEntry::Own(keys) => {
                 let at = at.key("parameters");
                 let parameters = parameters(&keys.model.0, keys.parameters, context, &at)?;
                 let id = keys.model.0;
@@ -256,7 +256,7 @@ fn from_folder(text: &str, folder: Option<&Path>) -> String {
 /// Reads the parameters of a model; refuses unknown keys.
 fn parameters(
     model: &str,
-    keys: InOrder<ParameterValue>,
+    keys: OrderedTable<ParameterValue>,
     context: &Context<'_>,
     at: &Place<'_>,
 ) -> Result<Parameters, SceneError> {

@@ -66,7 +66,7 @@ keys! {
 
 /// One value for both sides of the teeth, or one for each.
 #[derive(Clone, Debug, Deserialize)]
-pub(super) enum BySide {
+pub(super) enum PerSide {
     #[serde(rename = "<number>")]
     Both(f64),
     #[serde(rename = "<table>")]
@@ -94,17 +94,17 @@ pub(super) fn end_reliefs(keys: Option<&EndReliefKeys>) -> [Option<EndRelief>; 2
 }
 
 /// Values of left and right flanks; 0 if not given.
-pub(super) fn by_side(keys: Option<&BySide>) -> [f64; 2] {
+pub(super) fn per_side(keys: Option<&PerSide>) -> [f64; 2] {
     match keys {
         None => [0.0; 2],
-        Some(BySide::Both(value)) => [*value; 2],
-        Some(BySide::Each(sides)) => [sides.left, sides.right].map(Option::unwrap_or_default),
+        Some(PerSide::Both(value)) => [*value; 2],
+        Some(PerSide::Each(sides)) => [sides.left, sides.right].map(Option::unwrap_or_default),
     }
 }
 
 /// Measured flanks of both sides, with their files.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Measured {
+pub(super) struct MeasuredFlanks {
     pub(super) sides: [Option<Arc<Topography>>; 2],
     pub(super) files: Vec<PathBuf>,
 }
@@ -114,8 +114,8 @@ pub(super) fn topography(
     keys: Option<&TopographyKeys>,
     folder: Option<&Path>,
     at: &Place<'_>,
-) -> Result<Measured, SceneError> {
-    let mut measured = Measured::default();
+) -> Result<MeasuredFlanks, SceneError> {
+    let mut measured = MeasuredFlanks::default();
     let Some(keys) = keys else {
         return Ok(measured);
     };

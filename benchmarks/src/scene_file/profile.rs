@@ -20,13 +20,13 @@ use std::marker::PhantomData;
 
 /// A profile over ascending times, read from a table of keys.
 #[derive(Clone, Debug)]
-pub(super) struct Checked<K>(Profile, PhantomData<K>);
+pub(super) struct CheckedProfile<K>(Profile, PhantomData<K>);
 
-impl<'de, K: Deserialize<'de> + Into<Profile>> Deserialize<'de> for Checked<K> {
+impl<'de, K: Deserialize<'de> + Into<Profile>> Deserialize<'de> for CheckedProfile<K> {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         let profile = K::deserialize(deserializer)?.into();
         match profile.problem() {
-            None => Ok(Checked(profile, PhantomData)),
+            None => Ok(CheckedProfile(profile, PhantomData)),
             Some(problem) => Err(D::Error::custom(problem)),
         }
     }
@@ -104,9 +104,9 @@ macro_rules! profiles {
             #[allow(non_camel_case_types)]
             pub(super) enum $choice {
                 $value(f64),
-                ramp(Checked<$ramp>),
-                table(Checked<$table>),
-                harmonic(Checked<$harmonic>),
+                ramp(CheckedProfile<$ramp>),
+                table(CheckedProfile<$table>),
+                harmonic(CheckedProfile<$harmonic>),
                 $($viscous(NotNegative),)?
             }
 

@@ -13,8 +13,8 @@
 
 use super::error::SceneError;
 use super::gear::{GearDraft, initial_speed};
-use super::lateral::{BearingKeys, DirectionKeys, LateralKeys, Spin, lateral};
 use super::material::{MaterialChoice, material};
+use super::out_of_plane::{BearingKeys, DirectionKeys, OutOfPlaneKeys, Spin, out_of_plane};
 use super::profile::{GearLoad, GearMount};
 use super::reading::Place;
 use super::reading::keys::keys;
@@ -89,7 +89,7 @@ keys! {
 }
 
 /// Gears of a shaft by index, with their positions along it [m].
-pub(super) type OnShaft = Vec<(usize, f64)>;
+pub(super) type ShaftGears = Vec<(usize, f64)>;
 
 /// Checks all shafts; sets the speeds of gears that have none.
 pub(super) fn shafts(
@@ -103,7 +103,7 @@ pub(super) fn shafts(
 }
 
 /// Groups of gears on one axis.
-pub(super) fn groups(shafts: &[ShaftSpec]) -> Vec<OnShaft> {
+pub(super) fn groups(shafts: &[ShaftSpec]) -> Vec<ShaftGears> {
     let of = |shaft: &ShaftSpec| {
         let gears = shaft.stations.iter().filter_map(|s| match s.carries {
             StationMember::Gear(i) => Some((i, s.place)),
@@ -116,7 +116,7 @@ pub(super) fn groups(shafts: &[ShaftSpec]) -> Vec<OnShaft> {
 
 /// Sets the position of gears from the position of their shaft.
 pub(super) fn place_by_shaft(
-    groups: &[OnShaft],
+    groups: &[ShaftGears],
     gears: &mut [GearDraft],
     placed: &mut [bool],
     which: [usize; 2],
@@ -246,7 +246,7 @@ fn carried(
         || keys.centre_of_mass_m.is_some()
         || keys.spin_terms.is_some();
     let lateral = if sideways {
-        let keys = LateralKeys {
+        let keys = OutOfPlaneKeys {
             // What no bearing holds is free.
             bearing: Some(keys.bearing.unwrap_or_default()),
             directions: keys.directions,
@@ -256,7 +256,7 @@ fn carried(
             centre_of_mass: keys.centre_of_mass_m,
             spin: keys.spin_terms,
         };
-        lateral(keys, 5, at)?
+        out_of_plane(keys, 5, at)?
     } else {
         None
     };

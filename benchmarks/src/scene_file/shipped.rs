@@ -2,7 +2,7 @@
 
 /// A scene that is embedded in the program.
 #[derive(Clone, Copy, Debug)]
-pub struct Shipped {
+pub struct ShippedScene {
     /// Name on the command line.
     pub name: &'static str,
     /// Text of the scene file.
@@ -13,14 +13,14 @@ pub struct Shipped {
 
 macro_rules! shipped {
     ($name:literal) => {
-        Shipped {
+        ShippedScene {
             name: $name,
             text: include_str!(concat!("../../scenes/", $name, ".toml")),
             calibration: "",
         }
     };
     ($name:literal, calibrated) => {
-        Shipped {
+        ShippedScene {
             calibration: include_str!(concat!("../../calibrations/", $name, ".toml")),
             ..shipped!($name)
         }
@@ -28,7 +28,7 @@ macro_rules! shipped {
 }
 
 /// All embedded scenes; the first is the default comparison.
-pub static SHIPPED: &[Shipped] = &[
+pub static SHIPPED: &[ShippedScene] = &[
     shipped!("spur_impact", calibrated),
     shipped!("spur_impact_large", calibrated),
     shipped!("flank_contact", calibrated),
@@ -58,6 +58,6 @@ pub static SHIPPED: &[Shipped] = &[
 ];
 
 /// Returns an embedded scene by name.
-pub fn shipped(name: &str) -> Option<&'static Shipped> {
+pub fn shipped(name: &str) -> Option<&'static ShippedScene> {
     SHIPPED.iter().find(|s| s.name == name)
 }

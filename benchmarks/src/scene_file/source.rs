@@ -14,22 +14,22 @@ use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
 /// Source of the record that is rerun.
-static STANDS_IN: OnceLock<Source> = OnceLock::new();
+static REPLACEMENT: OnceLock<Source> = OnceLock::new();
 
 /// Replaces scenes by the source of a record from here on; only the first call has an effect.
-pub fn stand_in(source: Source) {
-    let _ = STANDS_IN.set(source);
+pub fn replace_scenes(source: Source) {
+    let _ = REPLACEMENT.set(source);
 }
 
 /// The text of a scene in the record that is rerun.
 pub(super) fn recorded(name: &str) -> Option<&'static str> {
-    let source = STANDS_IN.get()?;
+    let source = REPLACEMENT.get()?;
     (source.name == name).then_some(source.scene.as_str())
 }
 
 /// The calibration file of a scene in the record that is rerun.
 pub(super) fn recorded_calibration(scene: &str) -> Option<&'static str> {
-    let text = STANDS_IN.get()?.calibrations.get(scene)?;
+    let text = REPLACEMENT.get()?.calibrations.get(scene)?;
     Some(text)
 }
 

@@ -21,14 +21,14 @@ pub struct TableText {
 }
 
 /// Reason why a file is not a text table, with help.
-pub struct Unreadable {
+pub struct UnreadableTable {
     /// The message, with the name of the file.
     pub why: String,
     /// The help: how to provide a readable file.
     pub help: String,
 }
 
-impl Unreadable {
+impl UnreadableTable {
     /// Converts to an error without a place in a scene.
     pub fn plain(self) -> SceneError {
         SceneError::plain(self.why, self.help)
@@ -46,10 +46,10 @@ impl TableText {
 /// Reads a table of at most `largest` bytes; `from` explains what paths are relative to.
 ///
 /// # Errors
-/// [`Unreadable`] if the file is not a text table, or too large.
-pub fn text(path: &Path, largest: u64, from: &str) -> Result<TableText, Unreadable> {
+/// [`UnreadableTable`] if the file is not a text table, or too large.
+pub fn text(path: &Path, largest: u64, from: &str) -> Result<TableText, UnreadableTable> {
     let name = path.display().to_string();
-    let refuse = |why: String, help: &str| Unreadable {
+    let refuse = |why: String, help: &str| UnreadableTable {
         why,
         help: help.to_owned(),
     };

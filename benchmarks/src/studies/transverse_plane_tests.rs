@@ -2,7 +2,7 @@
 //! the helix angle: all are of the transverse plane.
 #![allow(clippy::print_stdout, reason = "observed figures")]
 
-use super::response::{Wanted, response};
+use super::response::{FrequencyGrid, response};
 use super::sweep::{self, mesh_resonance};
 use crate::experiment::conditions::Conditions;
 use crate::experiment::configuration::Configuration;
@@ -145,7 +145,7 @@ fn standing_cycle(own: &Configuration, torque: f64) -> MeshCycle {
 
 /// The response of the only mesh at two frequencies.
 fn responded(own: &Configuration, range: [f64; 2]) -> GroupResponse {
-    let wanted = Wanted {
+    let wanted = FrequencyGrid {
         range: Some(range),
         points: 2,
         phases: 24,
@@ -159,7 +159,7 @@ fn responded(own: &Configuration, range: [f64; 2]) -> GroupResponse {
 /// The lowest natural frequency of a model above a bound [Hz].
 fn lowest_above(own: &Configuration, bound: f64) -> f64 {
     let of = (&own.scene, &own.modelling);
-    let found = vibrations(&own.label, of, models(), &modes::Wanted::default()).unwrap();
+    let found = vibrations(&own.label, of, models(), &modes::ModesSettings::default()).unwrap();
     let mode = found.modes.iter().find(|m| m.frequency_hz > bound);
     mode.unwrap().frequency_hz
 }

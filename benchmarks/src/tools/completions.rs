@@ -1,8 +1,8 @@
 //! The command `gearbench completions SHELL`: a script for the completion of commands and options.
 
 use crate::cli::Cli;
-use crate::cli::answer::Answer;
-use crate::cli::terminal::{Refusal, put};
+use crate::cli::command_result::CommandResult;
+use crate::cli::terminal::{Refusal, print_text};
 use clap::{Args, CommandFactory};
 use clap_complete::Shell;
 
@@ -20,9 +20,9 @@ pub struct Completions {
 }
 
 /// Prints the completion script of a shell.
-pub fn run(args: &Completions) -> Result<Answer, Refusal> {
+pub fn run(args: &Completions) -> Result<CommandResult, Refusal> {
     let mut script = Vec::new();
     clap_complete::generate(args.shell, &mut Cli::command(), "gearbench", &mut script);
-    put(String::from_utf8_lossy(&script).trim_end());
-    Ok(Answer::done())
+    print_text(String::from_utf8_lossy(&script).trim_end());
+    Ok(CommandResult::done())
 }

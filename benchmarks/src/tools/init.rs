@@ -1,9 +1,9 @@
 //! The command `gearbench init`: writes a scene file to start from, or the files of a check.
 
-use crate::cli::answer::Answer;
-use crate::cli::files::{Overwriting, write_whole};
-use crate::cli::terminal::{Refusal, absolute, say};
-use crate::scene_file::{SHIPPED, SceneError, Shipped, did_you_mean};
+use crate::cli::command_result::CommandResult;
+use crate::cli::files::{ReplaceableFiles, write_whole};
+use crate::cli::terminal::{Refusal, absolute, print_line};
+use crate::scene_file::{SHIPPED, SceneError, ShippedScene, did_you_mean};
 use clap::Args;
 use std::path::PathBuf;
 
@@ -82,7 +82,7 @@ pub struct Init {
 }
 
 /// Writes a scene to start from, or a folder of them.
-pub fn run(args: &Init) -> Result<Answer, Refusal> {
+pub fn run(args: &Init) -> Result<CommandResult, Refusal> {
     if args.what == FOLDER {
         return write_folder(args);
     }
@@ -94,14 +94,14 @@ pub fn run(args: &Init) -> Result<Answer, Refusal> {
     let path = (args.out.clone()).unwrap_or_else(|| format!("{}.{ending}", args.what).into());
     write(&[(path.clone(), text.as_bytes())], args.force)?;
     let path = absolute(path);
-    say(&format!("written: {}", path.display()));
-    say(&next.replace("FILE", &path.display().to_string()));
-    Ok(Answer::done().with("written", path))
+    print_line(&format!("written: {}", path.display()));
+    print_line(&next.replace("FILE", &path.display().to_string()));
+    Ok(CommandResult::done().with("written", path))
 }
 
 /// Writes files: all of them, or none if one exists, unless `force`.
 fn write(files: &[(PathBuf, &[u8])], force: bool) -> Result<(), Refusal> {
-    let overwriting = Overwriting {
+    let overwriting = ReplaceableFiles {
         inputs: &[],
         // What it wrote is changed by its user, and is no longer its own.
         mark: None,
@@ -117,19 +117,19 @@ fn write(files: &[(PathBuf, &[u8])], force: bool) -> Result<(), Refusal> {
 }
 
 /// Writes the example with several files into a folder: all of them, or none if one exists.
-fn write_folder(args: &Init) -> Result<Answer, Refusal> {
+fn write_folder(args: &Init) -> Result<CommandResult, Refusal> {
     let folder = (args.out.clone()).unwrap_or_else(|| FOLDER.into());
     std::fs::create_dir_all(&folder)
         .map_err(|e| Refusal::Files(format!("{}: {e}", folder.display())))?;
     let files = FILES.map(|(name, bytes)| (folder.join(name), bytes));
     write(&files, args.force)?;
     let folder = absolute(folder);
-    say(&format!("written: {}", folder.display()));
-    say(&format!(
+    print_line(&format!("written: {}", folder.display()));
+    print_line(&format!(
         "change to this folder; the first lines of {} contain the commands",
         FILES[0].0
     ));
-    Ok(Answer::done().with("written", folder))
+    Ok(CommandResult::done().with("written", folder))
 }
 
 /// The text of a template or of a shipped scene.
@@ -158,7 +158,7 @@ fn text(what: &str) -> Result<String, SceneError> {
 }
 
 /// The scene with its fitted constants in its own tables `[calibration.NAME.LABEL]`.
-fn alone(shipped: &Shipped) -> String {
+fn alone(shipped: &ShippedScene) -> String {
     let constants: Vec<String> = (shipped.calibration.lines())
         .map(|line| match line.strip_prefix('[') {
             Some(rest) => format!("[calibration.{rest}"),
@@ -195,7 +195,7 @@ mod tests {
             let text = text.replacen(&own, "name = \"mine\"", 1);
             let origin = Origin::File("nowhere/mine.toml".into());
             let scene = SceneFile::unbuilt("mine.toml", &text, origin, true);
-            let scene = scene.unwrap_or_else(|e| panic!("{name}: {}", e.told()));
+            let scene = scene.unwrap_or_else(|e| panic!("{name}: {}", e.to_text()));
             assert!(scene.odd.is_empty(), "{name}: {:?}", scene.odd);
             let Ok(shipped) = crate::scene_file::load_for(name, crate::scene_file::Selection::None)
             else {
@@ -218,7 +218,7 @@ mod tests {
         assert!(
             e.help_text().unwrap().contains("did you mean `train`"),
             "{}",
-            e.told()
+            e.to_text()
         );
     }
 }

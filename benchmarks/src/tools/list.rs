@@ -1,7 +1,7 @@
 //! The command `gearbench list`: scenes, models, integrators and references by name.
 
-use crate::cli::answer::Answer;
-use crate::cli::terminal::{Refusal, say};
+use crate::cli::command_result::CommandResult;
+use crate::cli::terminal::{Refusal, print_line};
 use crate::models::models;
 use crate::scene_file::{self, SHIPPED, SceneFile};
 use clap::{Args, ValueEnum};
@@ -46,19 +46,19 @@ pub struct List {
 }
 
 /// Prints the tables of scenes, models, integrators, references and caches.
-pub fn run(args: &List) -> Result<Answer, Refusal> {
-    let cached = Cached::of(cache::in_use());
+pub fn run(args: &List) -> Result<CommandResult, Refusal> {
+    let cached = CacheFiles::of(cache::in_use());
     let removed = match args.clear_cache {
         true => cached.remove()?,
         false => 0,
     };
-    let cached = Cached::of(cache::in_use());
+    let cached = CacheFiles::of(cache::in_use());
     let scenes = (SHIPPED.iter())
         .map(|s| scene_file::load_unbuilt(s.name))
         .collect::<Result<Vec<_>, _>>()?;
     let in_full = |section: Section| args.section == Some(section);
     let listed = |section: Section| args.section.is_none() || in_full(section);
-    let mut answer = Answer::done();
+    let mut answer = CommandResult::done();
     if listed(Section::Scenes) {
         print_scenes(&scenes, in_full(Section::Scenes));
         answer = answer.with("scenes", scenes.iter().map(scene).collect::<Vec<_>>());
@@ -84,19 +84,19 @@ pub fn run(args: &List) -> Result<Answer, Refusal> {
     if args.section.is_none() {
         cached.print(removed);
         answer = answer.with("cache", cached.to_json());
-        say("\n`gearbench list scenes`, `models` and `integrators` print the details");
+        print_line("\n`gearbench list scenes`, `models` and `integrators` print the details");
     }
     Ok(answer)
 }
 
 /// Files of the cache of reductions.
-struct Cached {
+struct CacheFiles {
     folder: Option<PathBuf>,
     files: Vec<PathBuf>,
     bytes: u64,
 }
 
-impl Cached {
+impl CacheFiles {
     fn of(cache: &Cache) -> Self {
         let folder = cache.folder().map(Path::to_owned);
         let entries = folder.iter().flat_map(std::fs::read_dir).flatten();
@@ -115,7 +115,7 @@ impl Cached {
                 files.push(entry.path());
             }
         }
-        Cached {
+        CacheFiles {
             folder,
             files,
             bytes,
@@ -136,16 +136,16 @@ impl Cached {
     }
 
     fn print(&self, removed: usize) {
-        say(
+        print_line(
             "\ncache of reductions (--clear-cache empties it; GEARBENCH_CACHE sets its folder, or `off`)",
         );
         let Some(folder) = &self.folder else {
-            return say("  off");
+            return print_line("  off");
         };
         if removed > 0 {
-            say(&format!("  {removed} files were removed"));
+            print_line(&format!("  {removed} files were removed"));
         }
-        say(&format!(
+        print_line(&format!(
             "  {}: {} files, {:.1} MB of at most {:.1} GB; the least recently used files are removed first",
             folder.display(),
             self.files.len(),
@@ -206,29 +206,29 @@ fn reference(r: &StoredReference) -> Value {
 }
 
 fn print_scenes(scenes: &[SceneFile], in_full: bool) {
-    say("scenes (gearbench compare NAME)");
+    print_line("scenes (gearbench compare NAME)");
     for s in scenes {
-        say(&format!("  {:<18} {}", s.name, s.title));
+        print_line(&format!("  {:<18} {}", s.name, s.title));
         if in_full {
             let labels: Vec<&str> = s.models.iter().map(|m| m.label.as_str()).collect();
-            say(&format!("  {:<18} models: {}", "", labels.join(", ")));
+            print_line(&format!("  {:<18} models: {}", "", labels.join(", ")));
         }
     }
 }
 
 fn print_models(in_full: bool) {
-    say("\nmodels (model = \"ID\" in a scene)");
+    print_line("\nmodels (model = \"ID\" in a scene)");
     for m in models() {
-        say(&format!("  {:<18} {}", m.id, m.title));
+        print_line(&format!("  {:<18} {}", m.id, m.title));
         for p in m.parameters.iter().filter(|_| in_full) {
             let need = if p.required { "required" } else { "optional" };
-            say(&format!("    {:<28} {} ({need})", p.key, p.meaning));
+            print_line(&format!("    {:<28} {} ({need})", p.key, p.meaning));
         }
     }
 }
 
 fn print_integrators(in_full: bool) {
-    say("\nintegrators (--integrators ID or \"ID(parameter=value)@step\")");
+    print_line("\nintegrators (--integrators ID or \"ID(parameter=value)@step\")");
     for m in METHODS {
         let i = m.info;
         let kind = if i.implicit { "implicit" } else { "explicit" };
@@ -247,19 +247,19 @@ fn print_integrators(in_full: bool) {
             i.id, i.order
         );
         if !in_full {
-            say(&line);
+            print_line(&line);
             continue;
         }
-        say(&format!("{line}; {}", i.citation));
+        print_line(&format!("{line}; {}", i.citation));
         for p in i.parameters {
-            say(&format!(
+            print_line(&format!(
                 "    {} = {} in [{}, {}]: {}",
                 p.name, p.default, p.range.0, p.range.1, p.meaning
             ));
         }
     }
     if in_full {
-        say(&format!(
+        print_line(&format!(
             "  all have the parameter {} in {{0, 1}}, default {}; {}",
             FREE_FLIGHT.name, FREE_FLIGHT.default, FREE_FLIGHT.meaning
         ));
@@ -267,11 +267,11 @@ fn print_integrators(in_full: bool) {
 }
 
 fn print_references() {
-    say("\nreferences (reference = \"ID\" in a scene)");
+    print_line("\nreferences (reference = \"ID\" in a scene)");
     for r in REFERENCES {
-        say(&format!("  {:<24} {}", r.id, r.title));
+        print_line(&format!("  {:<24} {}", r.id, r.title));
     }
-    say(
+    print_line(
         "  your own table: reference = { csv = \"press.csv\" }; the run of a model: gearbench reference",
     );
 }

@@ -1,9 +1,9 @@
 //! The command `gearbench report DIR`: writes the report page of an existing record again.
 
-use crate::cli::answer::Answer;
+use crate::cli::command_result::CommandResult;
 use crate::cli::folder_lock::FolderLock;
 use crate::cli::study_folder::remove_staging;
-use crate::cli::terminal::{Refusal, absolute, say};
+use crate::cli::terminal::{Refusal, absolute, print_line};
 use clap::Args;
 use gearbench_reference::{file_kind, files, limits};
 use gearbench_reports::{RECORD, ReportError};
@@ -22,7 +22,7 @@ const MOST_NAMED: usize = 5;
 
 fn refuse(dir: &Path, e: ReportError) -> Refusal {
     match &e {
-        ReportError::Io { .. } => Refusal::Input(miette::miette!(help = way_out(dir), "{e}")),
+        ReportError::Io { .. } => Refusal::Input(miette::miette!(help = remedy(dir), "{e}")),
         ReportError::Record { .. } => Refusal::Input(miette::miette!(
             help = "repeat the study with the command in the record (`command` in results.json)",
             "{e}"
@@ -59,7 +59,7 @@ pub(super) fn check_record(path: &Path) -> Result<(), Refusal> {
 }
 
 /// The advice for a folder without a record.
-fn way_out(dir: &Path) -> String {
+fn remedy(dir: &Path) -> String {
     if let Some(kind) = file_kind::of(dir).filter(|_| dir.is_file()) {
         let way_out = kind.way_out_of(dir);
         return format!("this is {}: {way_out}", kind.name);
@@ -91,7 +91,7 @@ fn way_out(dir: &Path) -> String {
 }
 
 /// Rewrites the report of a record.
-pub fn run(args: &Report) -> Result<Answer, Refusal> {
+pub fn run(args: &Report) -> Result<CommandResult, Refusal> {
     check_record(&args.dir)?;
     // A folder without a record is refused by what reads it.
     let lock = match args.dir.join(RECORD).is_file() {
@@ -104,6 +104,6 @@ pub fn run(args: &Report) -> Result<Answer, Refusal> {
     let page = gearbench_reports::report_from(&args.dir).map_err(|e| refuse(&args.dir, e))?;
     drop(lock);
     let page = absolute(page);
-    say(&format!("report: {}", page.display()));
-    Ok(Answer::done().with("report", page))
+    print_line(&format!("report: {}", page.display()));
+    Ok(CommandResult::done().with("report", page))
 }

@@ -4,12 +4,12 @@
 //! clock or the machine has to come out the same, to the last bit, under the same version of gearbench.
 
 use super::report::check_record;
-use crate::cli::answer::Answer;
 use crate::cli::command_line::split;
+use crate::cli::command_result::CommandResult;
 use crate::cli::exit::Exit;
-use crate::cli::terminal::{Refusal, absolute, say, warn};
+use crate::cli::terminal::{Refusal, absolute, print_line, warn};
 use crate::experiment::machine;
-use crate::scene_file::source::{changed, stand_in};
+use crate::scene_file::source::{changed, replace_scenes};
 use clap::Args;
 use gearbench_reports::record::{OF_THE_CLOCK, Results};
 use gearbench_reports::{ReportError, load_results};
@@ -41,7 +41,7 @@ pub struct Rerun {
 }
 
 /// The study of a record as a command line that repeats it.
-pub struct Again {
+pub struct RecordedCommand {
     /// Words of the command line, without the program.
     pub words: Vec<String>,
     /// Folder of the new record.
@@ -60,7 +60,7 @@ fn refuse(e: &ReportError) -> Refusal {
 ///
 /// # Errors [`Refusal`] for a record that cannot be made again: of a version that did not keep its scene, or with files
 /// that have changed.
-pub fn prepare(args: &Rerun) -> Result<Again, Refusal> {
+pub fn prepare(args: &Rerun) -> Result<RecordedCommand, Refusal> {
     check_record(&args.record)?;
     let before = load_results(&args.record).map_err(|e| refuse(&e))?;
     let shown = args.record.display();
@@ -96,11 +96,11 @@ pub fn prepare(args: &Rerun) -> Result<Again, Refusal> {
         // `gearbench` alone is the default comparison.
         words.push(gearbench_reports::Study::Compare.as_str().into());
     }
-    stand_in(source);
-    Ok(Again { words, out, before })
+    replace_scenes(source);
+    Ok(RecordedCommand { words, out, before })
 }
 
-impl Again {
+impl RecordedCommand {
     /// The command line of the record.
     pub fn command(&self) -> &str {
         &self.before.header.command
@@ -122,7 +122,7 @@ impl Again {
     ///
     /// # Errors
     /// [`Refusal`] when the new record cannot be read.
-    pub fn compare(&self, answer: Answer) -> Result<Answer, Refusal> {
+    pub fn compare(&self, answer: CommandResult) -> Result<CommandResult, Refusal> {
         let after = load_results(&self.out).map_err(|e| refuse(&e))?;
         let (mut total, mut differences) = (0, Vec::new());
         let [old, new] =
@@ -131,17 +131,17 @@ impl Again {
         let record = absolute(self.out.join(gearbench_reports::RECORD));
         let answer = (answer.with("compared", total)).with("differences", &differences);
         if differences.is_empty() {
-            say(&format!(
+            print_line(&format!(
                 "the same: all {total} values of the record except times ({})",
                 record.display()
             ));
             return Ok(answer);
         }
-        say(&format!("{} of {total} values differ:", differences.len()));
+        print_line(&format!("{} of {total} values differ:", differences.len()));
         differences
             .iter()
             .take(10)
-            .for_each(|d| say(&format!("  {d}")));
+            .for_each(|d| print_line(&format!("  {d}")));
         Ok(answer.ending(Exit::FellShort))
     }
 }

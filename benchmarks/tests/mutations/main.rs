@@ -208,7 +208,7 @@ const HANGS: Duration = Duration::from_secs(300);
 const SLOW: f64 = 20.0;
 
 /// End of a process: exit code, memory, time and output.
-struct Ended {
+struct ProcessEnd {
     code: Option<i32>,
     /// Greatest memory that was seen [GB].
     memory: f64,
@@ -216,7 +216,7 @@ struct Ended {
     said: String,
 }
 
-fn run(folder: &Path, arguments: &[&str]) -> Ended {
+fn run(folder: &Path, arguments: &[&str]) -> ProcessEnd {
     let begin = Instant::now();
     let errors = folder.join("stderr");
     let mut child = Command::new(env!("CARGO_BIN_EXE_gearbench"))
@@ -245,7 +245,7 @@ fn run(folder: &Path, arguments: &[&str]) -> Ended {
         }
         std::thread::sleep(Duration::from_millis(10));
     };
-    Ended {
+    ProcessEnd {
         code,
         memory,
         seconds: begin.elapsed().as_secs_f64(),
@@ -271,7 +271,7 @@ struct Count {
 
 impl Count {
     /// Counts a process and returns true if it needs attention: a wrong end, or a slow one.
-    fn add(&mut self, name: &str, ended: &Ended) -> bool {
+    fn add(&mut self, name: &str, ended: &ProcessEnd) -> bool {
         let before = self.wrong.len();
         let known = [0, 1, 2, 3, 130];
         let mut say = |what: String| {

@@ -30,7 +30,7 @@ unsafe fn instantiate(
     logger: Logger,
 ) -> *mut c_void {
     if name.is_null() {
-        logger.say(ERROR, "the name of the instance is missing");
+        logger.log(ERROR, "the name of the instance is missing");
         return null_mut();
     }
     // SAFETY: texts of the host.
@@ -45,7 +45,7 @@ unsafe fn instantiate(
         }))
         .cast(),
         Ok(Err(why)) | Err(why) => {
-            logger.say(ERROR, &format!("{name}: {why}"));
+            logger.log(ERROR, &format!("{name}: {why}"));
             null_mut()
         }
     }

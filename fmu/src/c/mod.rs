@@ -4,7 +4,7 @@
 //! |---|---|
 //! | `common` | instances, co-simulation, variables, copies of the state |
 //! | `exchange` | model exchange |
-//! | `absent` | functions for missing features: other types, clocks, serialisation, partial derivatives |
+//! | `unsupported` | functions for missing features: other types, clocks, serialisation, partial derivatives |
 //!
 //! Every function trusts the pointers of its host, as C does, checks them for null, and catches panics.
 
@@ -16,11 +16,11 @@
     clippy::too_many_arguments
 )]
 
-pub mod absent;
 pub mod common;
 pub mod exchange;
+pub mod unsupported;
 
-use crate::instance::{Done, Failure, Instance};
+use crate::instance::{CallResult, Failure, Instance};
 use std::ffi::{CStr, CString, c_char, c_int, c_void};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
@@ -48,7 +48,7 @@ pub(crate) struct Logger {
 }
 
 impl Logger {
-    fn say(self, status: Status, message: &str) {
+    fn log(self, status: Status, message: &str) {
         let Some(log) = self.log else { return };
         let text: String = message.replace('\0', " ");
         if let Ok(text) = CString::new(text) {
@@ -81,7 +81,7 @@ fn caught<T>(act: impl FnOnce() -> T) -> Result<T, String> {
 unsafe fn with(
     instance: *mut c_void,
     function: &str,
-    act: impl FnOnce(&mut Instance) -> Done,
+    act: impl FnOnce(&mut Instance) -> CallResult,
 ) -> Status {
     // SAFETY: see above.
     let Some(handle) = (unsafe { instance.cast::<Handle>().as_mut() }) else {
@@ -95,7 +95,7 @@ unsafe fn with(
     let name = &handle.name;
     handle
         .logger
-        .say(status, &format!("{name}: {function}: {why}"));
+        .log(status, &format!("{name}: {function}: {why}"));
     status
 }
 
@@ -103,7 +103,7 @@ unsafe fn with(
 ///
 /// # Safety
 /// `p` is null or points to `n` of them.
-unsafe fn read<'a, T>(p: *const T, n: usize) -> Done<&'a [T]> {
+unsafe fn read<'a, T>(p: *const T, n: usize) -> CallResult<&'a [T]> {
     match (n, p.is_null()) {
         (0, _) => Ok(&[]),
         (_, true) => Err(Failure("a list is missing".into())),
@@ -116,7 +116,7 @@ unsafe fn read<'a, T>(p: *const T, n: usize) -> Done<&'a [T]> {
 ///
 /// # Safety
 /// `p` is null or points to `n` elements, which are not in use elsewhere.
-unsafe fn fill<'a, T>(p: *mut T, n: usize) -> Done<&'a mut [T]> {
+unsafe fn fill<'a, T>(p: *mut T, n: usize) -> CallResult<&'a mut [T]> {
     match (n, p.is_null()) {
         (0, _) => Ok(&mut []),
         (_, true) => Err(Failure("a list is missing".into())),
@@ -149,7 +149,7 @@ unsafe fn text(p: *const c_char) -> String {
 }
 
 /// Checks that the numbers of references and values are equal.
-fn paired(references: usize, values: usize) -> Done {
+fn paired(references: usize, values: usize) -> CallResult {
     match references == values {
         true => Ok(()),
         false => Err(Failure(format!(

@@ -177,9 +177,9 @@ pub struct Fmu {
 }
 
 /// A copy of the state to return to; freed when dropped.
-pub struct Kept<'a>(&'a Fmu, *mut c_void);
+pub struct SavedState<'a>(&'a Fmu, *mut c_void);
 
-impl Drop for Kept<'_> {
+impl Drop for SavedState<'_> {
     fn drop(&mut self) {
         assert_eq!(unsafe { fmi3FreeFMUState(self.0.instance, &mut self.1) }, 0);
         assert!(self.1.is_null());
@@ -381,13 +381,13 @@ impl Fmu {
         x
     }
 
-    pub fn keep(&self) -> Kept<'_> {
+    pub fn keep(&self) -> SavedState<'_> {
         let mut state = null_mut();
         self.ok(unsafe { fmi3GetFMUState(self.instance, &mut state) });
-        Kept(self, state)
+        SavedState(self, state)
     }
 
-    pub fn go_back(&self, kept: &Kept<'_>) {
+    pub fn go_back(&self, kept: &SavedState<'_>) {
         self.ok(unsafe { fmi3SetFMUState(self.instance, kept.1) });
     }
 

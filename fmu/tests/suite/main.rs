@@ -18,13 +18,13 @@ use gearbench_integrators::Scheme;
 
 /// Loads a shipped scene by name.
 fn shipped(name: &str) -> SceneFile {
-    load_for(name, Selection::None).unwrap_or_else(|e| panic!("{name}: {}", e.told()))
+    load_for(name, Selection::None).unwrap_or_else(|e| panic!("{name}: {}", e.to_text()))
 }
 
 /// A scene of these tests.
 fn scene(text: &str) -> SceneFile {
     let origin = Origin::File("nowhere/own.toml".into());
-    SceneFile::unbuilt("own.toml", text, origin, true).unwrap_or_else(|e| panic!("{}", e.told()))
+    SceneFile::unbuilt("own.toml", text, origin, true).unwrap_or_else(|e| panic!("{}", e.to_text()))
 }
 
 fn scheme(text: &str) -> Scheme {
@@ -35,5 +35,5 @@ fn scheme(text: &str) -> Scheme {
 fn packed(file: &SceneFile, model: &str, method: &str, moved: &[&str]) -> Package {
     let moved: Vec<String> = moved.iter().map(|name| (*name).to_owned()).collect();
     let choice = file.model(model).unwrap();
-    Package::of(file, choice, scheme(method), &moved).unwrap_or_else(|e| panic!("{}", e.told()))
+    Package::of(file, choice, scheme(method), &moved).unwrap_or_else(|e| panic!("{}", e.to_text()))
 }

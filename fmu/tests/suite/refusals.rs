@@ -127,7 +127,7 @@ fn hubs_that_nobody_can_move_are_refused() {
         let choice = &file.models[0];
         match Coupled::assemble(&file, choice, &[gear.to_owned()]) {
             Ok(_) => panic!("{gear}"),
-            Err(e) => e.told(),
+            Err(e) => e.to_text(),
         }
     };
     assert!(refuse("pinion").contains("is on a shaft"));

@@ -13,7 +13,7 @@ const COVERED: f64 = 14.0;
 const CLEAR: f64 = 1.5;
 
 /// Occupied rectangles and lines in an area of the page, for the placement of names.
-pub struct Room {
+pub struct OccupiedArea {
     area: Rect,
     boxes: Vec<Rect>,
     /// Rectangles that names avoid as long as there is free space elsewhere.
@@ -21,7 +21,7 @@ pub struct Room {
     lines: Vec<(Point, Point)>,
 }
 
-impl Room {
+impl OccupiedArea {
     /// Makes an area in which nothing is taken yet.
     pub fn of(area: Rect) -> Self {
         Self {
@@ -33,14 +33,14 @@ impl Room {
     }
 
     /// Marks a rectangle as taken.
-    pub fn keep(&mut self, taken: Rect) {
+    pub fn occupy(&mut self, taken: Rect) {
         self.boxes.push(taken);
     }
 
     /// Marks the rectangle of a marker as taken.
-    pub fn keep_point(&mut self, at: Point, radius: f64) {
+    pub fn occupy_point(&mut self, at: Point, radius: f64) {
         if at.0.is_finite() && at.1.is_finite() {
-            self.keep(Rect::around(at, radius));
+            self.occupy(Rect::around(at, radius));
         }
     }
 
@@ -52,7 +52,7 @@ impl Room {
     }
 
     /// Marks a line through points as taken.
-    pub fn keep_line(&mut self, points: &[Point]) {
+    pub fn occupy_line(&mut self, points: &[Point]) {
         let inside = points
             .windows(2)
             .filter_map(|p| clip_segment(p[0], p[1], &self.area));
@@ -75,7 +75,7 @@ impl Room {
     }
 
     /// Reserves the free rectangle for a text that is closest to its point; `None` if there is none within reach.
-    pub fn beside(&mut self, text: &str, size: f64, at: Point) -> Option<Rect> {
+    pub fn place_text(&mut self, text: &str, size: f64, at: Point) -> Option<Rect> {
         if !(at.0.is_finite() && at.1.is_finite()) {
             return None;
         }
@@ -89,9 +89,9 @@ impl Room {
         };
         let best = free.min_by(|a, b| cost(a).total_cmp(&cost(b)));
         let (_, place) = best?;
-        self.keep(place);
+        self.occupy(place);
         if let Some(end) = end_of_leader(at, &place) {
-            self.keep_line(&[at, end]);
+            self.occupy_line(&[at, end]);
         }
         Some(place)
     }
@@ -112,13 +112,13 @@ impl Room {
         let above = (0..=steps).map(|k| boxed(y - half - 3.0, k));
         let below = (0..=steps).map(|k| boxed(y + half + 3.0, k));
         let found = above.chain(below).find(|r| self.is_free(r))?;
-        self.keep(found);
+        self.occupy(found);
         Some(found)
     }
 
     /// Writes a name next to its point, with a leader where it is further away; returns false if there was no space.
     pub fn write(&mut self, c: &mut Canvas<'_>, text: &str, at: Point, kind: Type) -> bool {
-        let Some(place) = self.beside(text, kind.size, at) else {
+        let Some(place) = self.place_text(text, kind.size, at) else {
             return false;
         };
         if let Some(end) = end_of_leader(at, &place) {
@@ -205,7 +205,7 @@ mod tests {
     #[test]
     fn names_keep_clear_of_lines_points_and_each_other() {
         let area = Rect::new(0.0, 0.0, 700.0, 330.0);
-        let mut room = Room::of(area);
+        let mut room = OccupiedArea::of(area);
         let mut lines: Vec<Vec<Point>> = vec![vec![(0.0, 100.0), (700.0, 100.0)]];
         lines.push(vec![
             (40.0, 0.0),
@@ -215,7 +215,7 @@ mod tests {
             (700.0, 250.0),
         ]);
         for line in &lines {
-            room.keep_line(line);
+            room.occupy_line(line);
         }
         let points: Vec<Point> = (0..22)
             .map(|i| {
@@ -226,11 +226,14 @@ mod tests {
             })
             .collect();
         for p in &points {
-            room.keep_point(*p, 6.0);
+            room.occupy_point(*p, 6.0);
         }
         let mut names = Vec::new();
         for (i, p) in points.iter().enumerate() {
-            names.push(room.beside(&(i + 1).to_string(), 11.5, *p).expect("room"));
+            names.push(
+                room.place_text(&(i + 1).to_string(), 11.5, *p)
+                    .expect("room"),
+            );
         }
         names.push(room.along("tolerance 5 %", 12.0, 100.0).expect("room"));
         for (i, a) in names.iter().enumerate() {
@@ -246,13 +249,13 @@ mod tests {
 
     #[test]
     fn without_room_there_is_no_name() {
-        let mut room = Room::of(Rect::new(0.0, 0.0, 60.0, 20.0));
+        let mut room = OccupiedArea::of(Rect::new(0.0, 0.0, 60.0, 20.0));
         assert_eq!(
-            room.beside("a name that is too long", 12.0, (30.0, 10.0)),
+            room.place_text("a name that is too long", 12.0, (30.0, 10.0)),
             None
         );
-        room.keep(Rect::new(0.0, 0.0, 60.0, 20.0));
-        assert_eq!(room.beside("1", 12.0, (30.0, 10.0)), None);
+        room.occupy(Rect::new(0.0, 0.0, 60.0, 20.0));
+        assert_eq!(room.place_text("1", 12.0, (30.0, 10.0)), None);
         assert_eq!(room.along("1", 12.0, 10.0), None);
     }
 }

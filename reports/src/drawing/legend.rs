@@ -3,7 +3,7 @@
 use super::axis::NAME_SIZE;
 use super::canvas::{Anchor, Canvas, Stroke, Type, text_width};
 use super::panel::{LEFT, RIGHT, WIDTH};
-use super::style::{Look, look, marker};
+use super::style::{CurveStyle, curve_style, marker};
 
 const ROW: f64 = 21.0;
 
@@ -12,7 +12,7 @@ const ROW: f64 = 21.0;
 pub struct Entry {
     text: String,
     stroke: Stroke,
-    marker: Option<(Look, bool)>,
+    marker: Option<(CurveStyle, bool)>,
 }
 
 impl Entry {
@@ -28,13 +28,13 @@ impl Entry {
     /// Makes an entry with a line and the markers of its model, if it has one.
     pub fn history(text: &str, stroke: Stroke, style: Option<usize>) -> Self {
         Self {
-            marker: style.map(|s| (look(s), true)),
+            marker: style.map(|s| (curve_style(s), true)),
             ..Self::line(text, stroke)
         }
     }
 
     /// Makes an entry with a line and markers.
-    pub fn marked(text: &str, look: Look, filled: bool) -> Self {
+    pub fn marked(text: &str, look: CurveStyle, filled: bool) -> Self {
         Self {
             marker: Some((look, filled)),
             ..Self::line(text, Stroke::dashed(look.ink, 1.6, look.dash))

@@ -4,9 +4,9 @@ use super::Chart;
 use super::axis::{Axis, Frame, TICK_SIZE, tick_label};
 use super::canvas::{Anchor, Canvas, DrawError, Ink, Stroke, Type, draw, text_width};
 use super::geometry::Rect;
-use super::labels::Room;
+use super::labels::OccupiedArea;
 use super::legend::{Entry, legend_height, paint_legend};
-use super::style::{Look, cross, look, marker};
+use super::style::{CurveStyle, cross, curve_style, marker};
 use crate::series::decimate;
 
 /// Width of a chart on the page.
@@ -33,7 +33,7 @@ pub struct Curve {
     /// Stroke of the line; `None` draws the points alone.
     pub stroke: Option<Stroke>,
     /// Look, radius and filling of the markers; `None` draws the line alone.
-    pub marker: Option<(Look, f64, bool)>,
+    pub marker: Option<(CurveStyle, f64, bool)>,
     /// Points, ascending in the abscissa.
     pub points: Vec<(f64, f64)>,
     /// Abscissae of runs that failed.
@@ -58,7 +58,7 @@ impl Curve {
     }
 
     /// Makes a curve of markers without a line.
-    pub fn points(look: Look, radius: f64, filled: bool, points: Vec<(f64, f64)>) -> Self {
+    pub fn points(look: CurveStyle, radius: f64, filled: bool, points: Vec<(f64, f64)>) -> Self {
         Self {
             stroke: None,
             marker: Some((look, radius, filled)),
@@ -70,7 +70,7 @@ impl Curve {
     }
 
     /// Makes a curve of markers joined by a line in the look of their variant.
-    pub fn joined(look: Look, width: f64, radius: f64, points: Vec<(f64, f64)>) -> Self {
+    pub fn joined(look: CurveStyle, width: f64, radius: f64, points: Vec<(f64, f64)>) -> Self {
         Self {
             stroke: Some(Stroke::dashed(look.ink, width, look.dash)),
             ..Self::points(look, radius, true, points)
@@ -174,7 +174,7 @@ impl Panel {
         ABOVE * (usize::from(named) + usize::from(!self.remark.is_empty())) as f64
     }
 
-    fn tall(&self) -> f64 {
+    fn total_height(&self) -> f64 {
         let below = if self.x_name.is_some() { NAMES } else { GAP };
         self.above() + self.strip() + self.height + below
     }
@@ -235,7 +235,7 @@ impl Panel {
             c.text(&self.remark, (area.x0, top + 7.0), kind);
         }
         let names = top + if heading { ABOVE } else { 0.0 } + 7.0;
-        let mut room = Room::of(area);
+        let mut room = OccupiedArea::of(area);
         self.paint_verticals(c, &frame, names, &mut room);
         let limits: Vec<(f64, &str)> = (self.limits.iter())
             .map(|(limit, text)| (frame.at(frame.x.max, *limit).1, text.as_str()))
@@ -244,7 +244,7 @@ impl Panel {
         for (y, _) in &limits {
             let line = [(area.x0, *y), (area.x1, *y)];
             c.line(&line, Stroke::dashed(Ink::DARK, 1.0, &[6.0, 4.0]));
-            room.keep_line(&line);
+            room.occupy_line(&line);
         }
         for curve in &self.curves {
             self.paint_curve(c, &frame, curve, &mut room);
@@ -261,21 +261,27 @@ impl Panel {
         }
     }
 
-    fn paint_curve(&self, c: &mut Canvas<'_>, frame: &Frame, curve: &Curve, room: &mut Room) {
+    fn paint_curve(
+        &self,
+        c: &mut Canvas<'_>,
+        frame: &Frame,
+        curve: &Curve,
+        room: &mut OccupiedArea,
+    ) {
         let area = frame.area;
         let inside = area.grown(1.0);
         let points: Vec<(f64, f64)> = curve.points.iter().map(|p| frame.at(p.0, p.1)).collect();
         if let Some(stroke) = curve.stroke {
             c.line_within(&points, &area, stroke);
-            room.keep_line(&points);
+            room.occupy_line(&points);
         }
         if let Some(style) = curve.along {
             let first = area.x0 + SPACING * (0.2 + 0.62 * style as f64).fract();
             let places = (0..).map(|k| first + SPACING * f64::from(k));
             for x in places.take_while(|x| *x < area.x1) {
                 if let Some(at) = at_abscissa(&points, x).filter(|p| inside.holds(*p)) {
-                    marker(c, at, 4.4, look(style), true);
-                    room.keep_point(at, 5.4);
+                    marker(c, at, 4.4, curve_style(style), true);
+                    room.occupy_point(at, 5.4);
                 }
             }
         }
@@ -284,12 +290,12 @@ impl Panel {
         };
         for p in points.into_iter().filter(|p| inside.holds(*p)) {
             marker(c, p, radius, look, filled);
-            room.keep_point(p, radius + 1.0);
+            room.occupy_point(p, radius + 1.0);
         }
     }
 
     /// Paints vertical lines; a name that would overlap the one before it is left out.
-    fn paint_verticals(&self, c: &mut Canvas<'_>, frame: &Frame, y: f64, room: &mut Room) {
+    fn paint_verticals(&self, c: &mut Canvas<'_>, frame: &Frame, y: f64, room: &mut OccupiedArea) {
         let area = frame.area;
         let mut free = f64::NEG_INFINITY;
         for (at, text) in &self.verticals {
@@ -299,7 +305,7 @@ impl Panel {
             }
             let line = [(x, area.y0), (x, area.y1)];
             c.line(&line, Stroke::dashed(Ink::PALE, 1.2, &[4.0, 3.0]));
-            room.keep_line(&line);
+            room.occupy_line(&line);
             let half = 0.5 * text_width(text, TICK_SIZE - 0.5);
             let centre = x.clamp(area.x0 + half, (area.x1 - half).max(area.x0 + half));
             if centre - half > free {
@@ -350,14 +356,14 @@ pub fn chart(
     panels: &[Panel],
 ) -> Result<Chart, DrawError> {
     let head = 10.0 + legend_height(legend);
-    let height = head + panels.iter().map(Panel::tall).sum::<f64>();
+    let height = head + panels.iter().map(Panel::total_height).sum::<f64>();
     let title = title.into();
     let svg = draw(WIDTH, height, &title, |c| {
         paint_legend(c, legend);
         let mut y = head;
         for panel in panels {
             panel.paint(c, y);
-            y += panel.tall();
+            y += panel.total_height();
         }
     })?;
     Ok(Chart {

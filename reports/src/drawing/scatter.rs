@@ -4,10 +4,10 @@
 use super::axis::{Frame, NAME_SIZE, TICK_SIZE};
 use super::canvas::{Anchor, Canvas, Ink, Stroke, Type, text_width};
 use super::geometry::Rect;
-use super::labels::Room;
+use super::labels::OccupiedArea;
 use super::legend::in_rows;
 use super::panel::{LEFT, RIGHT, WIDTH};
-use super::style::{cross, look, marker};
+use super::style::{cross, curve_style, marker};
 
 /// Largest number of failed runs that the strip names.
 const NAMED: usize = 6;
@@ -37,7 +37,7 @@ pub fn key(c: &mut Canvas<'_>, names: &[(&str, usize)], methods: bool) {
     let places = key_places(names);
     for ((name, style), (x, row)) in names.iter().zip(&places) {
         let y = 12.0 + 20.0 * *row as f64;
-        marker(c, (*x, y), 5.2, look(*style), true);
+        marker(c, (*x, y), 5.2, curve_style(*style), true);
         c.text(name, (x + 12.0, y), Type::new(NAME_SIZE, Anchor::Start));
     }
     if let (true, Some((x, row))) = (methods, places.last()) {
@@ -124,12 +124,12 @@ pub fn failures(c: &mut Canvas<'_>, failed: &[(Ink, String)], bottom: f64, rest:
     }
 }
 
-/// Draws the line of a tolerance and returns its ordinate; [`Room::write_along`] names it when all points are placed.
-pub fn tolerance(c: &mut Canvas<'_>, frame: &Frame, limit: f64, room: &mut Room) -> f64 {
+/// Draws the line of a tolerance and returns its ordinate; [`OccupiedArea::write_along`] names it when all points are placed.
+pub fn tolerance(c: &mut Canvas<'_>, frame: &Frame, limit: f64, room: &mut OccupiedArea) -> f64 {
     let (x, y) = frame.at(frame.x.max, limit);
     let line = [(frame.area.x0, y), (x, y)];
     let stroke = Stroke::dashed(Ink::DARK, 1.2, &[6.0, 4.0]);
     c.line_within(&line, &frame.area, stroke);
-    room.keep_line(&line);
+    room.occupy_line(&line);
     y
 }

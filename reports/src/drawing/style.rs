@@ -10,7 +10,7 @@ use maud::{Markup, html};
 
 /// Colour, dash pattern and marker of one model.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Look {
+pub struct CurveStyle {
     pub ink: Ink,
     /// Dash pattern of its lines.
     pub dash: &'static [f64],
@@ -56,10 +56,10 @@ const SHAPES: [(Marker, &[f64]); 8] = [
 ];
 
 /// Returns the look of the model with this place in the order of appearance; the first 64 differ.
-pub fn look(style: usize) -> Look {
+pub fn curve_style(style: usize) -> CurveStyle {
     let n = SHAPES.len();
     let (marker, dash) = SHAPES[style % n];
-    Look {
+    CurveStyle {
         ink: INKS[(style + style / n) % n].0,
         dash,
         marker,
@@ -81,7 +81,7 @@ pub fn night() -> String {
 
 /// Renders the marker of a model for HTML.
 pub fn mark(style: usize) -> Markup {
-    let look = look(style);
+    let look = curve_style(style);
     let Ink(r, g, b, _) = look.ink;
     let corners = match look.marker {
         Marker::Circle => (0..24)
@@ -106,8 +106,8 @@ pub fn reference_stroke() -> Stroke {
 }
 
 /// Returns the look of measured points.
-pub fn reference_look() -> Look {
-    Look {
+pub fn reference_look() -> CurveStyle {
+    CurveStyle {
         ink: Ink::DARK,
         dash: &[],
         marker: Marker::Circle,
@@ -116,7 +116,7 @@ pub fn reference_look() -> Look {
 
 /// Returns the stroke of a model.
 pub fn model_stroke(style: usize) -> Stroke {
-    let look = look(style);
+    let look = curve_style(style);
     Stroke::dashed(look.ink, 1.9, look.dash)
 }
 
@@ -168,7 +168,7 @@ fn outline(marker: Marker, (x, y): (f64, f64), r: f64) -> Vec<(f64, f64)> {
 }
 
 /// Draws a marker, filled or open.
-pub fn marker(c: &mut Canvas<'_>, at: (f64, f64), r: f64, look: Look, filled: bool) {
+pub fn marker(c: &mut Canvas<'_>, at: (f64, f64), r: f64, look: CurveStyle, filled: bool) {
     let mut edge = outline(look.marker, at, r);
     let ground = if filled { look.ink } else { Ink::WHITE };
     if edge.is_empty() {
@@ -203,11 +203,11 @@ mod tests {
     fn models_differ_in_shape() {
         for a in 0..8 {
             for b in 0..a {
-                let (a, b) = (look(a), look(b));
+                let (a, b) = (curve_style(a), curve_style(b));
                 assert!(a.marker != b.marker && a.dash != b.dash && a.ink != b.ink);
             }
         }
-        let all: Vec<Look> = (0..64).map(look).collect();
+        let all: Vec<CurveStyle> = (0..64).map(curve_style).collect();
         for (i, a) in all.iter().enumerate() {
             assert!(all[i + 1..].iter().all(|b| a != b), "{i}");
         }

@@ -149,7 +149,7 @@ impl Pair {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::metrics::{Finished, compare};
+    use crate::metrics::{FinishedRun, compare};
     use crate::record::{Ledger, Metrics};
     use crate::series::Column;
 
@@ -182,7 +182,7 @@ mod tests {
 
     fn metrics(run: &TimeSeries, reference: &TimeSeries) -> Metrics {
         let ledger = Ledger::default();
-        let run = Finished::reached(run, &ledger, [1.0, 1.0]).unwrap();
+        let run = FinishedRun::reached(run, &ledger, [1.0, 1.0]).unwrap();
         compare(run, reference, "measured")
     }
 

@@ -39,7 +39,7 @@
 //!
 //! After an impact most of a pointwise error is phase error: the aligned value is the error of the shape of the force,
 //! the shift is the phase error. Outside its history a run has no force, so a run that ends before its reference has an
-//! error for the missing part. A run that did not reach its own end has no metrics ([`Finished`]).
+//! error for the missing part. A run that did not reach its own end has no metrics ([`FinishedRun`]).
 
 mod columns;
 mod history;
@@ -54,7 +54,7 @@ use crate::series::{TimeSeries, resample};
 pub(crate) use columns::at_times;
 pub(crate) use history::trapezoid_weights;
 use history::{Force, Target, force_of, last_finite};
-use orders::OverCycles;
+use orders::CycleHistory;
 
 /// Part of the peak force above which teeth count as in contact [-].
 pub const CONTACT_THRESHOLD: f64 = 1e-6;
@@ -68,7 +68,7 @@ pub const MESH_CYCLE: &str = "mesh_cycle";
 
 /// Histories and ledger of a run that reached its end, as input of the metrics; other runs have none.
 #[derive(Clone, Copy, Debug)]
-pub struct Finished<'a> {
+pub struct FinishedRun<'a> {
     series: &'a TimeSeries,
     ledger: &'a Ledger,
 }
@@ -76,28 +76,28 @@ pub struct Finished<'a> {
 /// A run that stopped before its end: a part of a run has no metrics.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[error("the run stopped at {reached_s:.4e} s of {end_s:.4e} s: nothing is known of the whole")]
-pub struct Unfinished {
+pub struct UnfinishedRun {
     /// Time that it reached \[s\].
     pub reached_s: f64,
     /// Time that it was to reach \[s\].
     pub end_s: f64,
 }
 
-impl<'a> Finished<'a> {
+impl<'a> FinishedRun<'a> {
     /// Returns the run if it reached its end: histories and ledger, with the time that it reached and the time that it
     /// should reach \[s\]. The history may end before, where only intervals of contact are recorded.
     ///
     /// # Errors
-    /// [`Unfinished`] when it did not reach its end, or has no history.
+    /// [`UnfinishedRun`] when it did not reach its end, or has no history.
     pub fn reached(
         series: &'a TimeSeries,
         ledger: &'a Ledger,
         [reached_s, end_s]: [f64; 2],
-    ) -> Result<Self, Unfinished> {
+    ) -> Result<Self, UnfinishedRun> {
         if !series.is_empty() && reached_s >= end_s - 1e-9 * end_s.abs() {
             Ok(Self { series, ledger })
         } else {
-            Err(Unfinished { reached_s, end_s })
+            Err(UnfinishedRun { reached_s, end_s })
         }
     }
 
@@ -111,8 +111,8 @@ impl<'a> Finished<'a> {
 ///
 /// A quantity that the data cannot give is `None`; broken data never panic. The energy drift comes
 /// from the run's ledger.
-pub fn compare(run: Finished<'_>, reference: &TimeSeries, against: &str) -> Metrics {
-    let Finished { series, ledger } = run;
+pub fn compare(run: FinishedRun<'_>, reference: &TimeSeries, against: &str) -> Metrics {
+    let FinishedRun { series, ledger } = run;
     let target = Target::of(reference);
     // What a run does after its reference ends cannot be compared with it.
     let window = match reference.contact_force_n.is_empty() {
@@ -141,9 +141,9 @@ pub fn compare(run: Finished<'_>, reference: &TimeSeries, against: &str) -> Metr
     let rms = |force: &Force<'_>| (force.square() / lasts).sqrt();
     metrics.rms_force_n = finite(rms(&run));
     metrics.transmission_error_pp_m = span_of_transmission_error(series, window);
-    let over_cycles = OverCycles::of_run(series);
+    let over_cycles = CycleHistory::of_run(series);
     if let Some(own) = &over_cycles
-        && let Some(whole) = OverCycles::whole([own])
+        && let Some(whole) = CycleHistory::whole([own])
     {
         metrics.transmission_error_orders_m = own.amplitudes(whole, orders::KEPT);
     }
@@ -166,7 +166,7 @@ pub fn compare(run: Finished<'_>, reference: &TimeSeries, against: &str) -> Metr
         metrics.transmission_error_pp_rel = finite(deviation(own, wanted));
     }
     if let Some(own) = &over_cycles
-        && let Some(wanted) = OverCycles::of_reference(reference, series)
+        && let Some(wanted) = CycleHistory::of_reference(reference, series)
         && let Some(errors) = orders::errors(own, &wanted)
     {
         metrics.transmission_error_orders_rel = finite(errors.amplitudes);
@@ -196,7 +196,7 @@ pub fn compare(run: Finished<'_>, reference: &TimeSeries, against: &str) -> Metr
 
 /// Compares a run with a reference whose histories have several axes of time, the contact force on the first: each metric
 /// is that of the histories it is about, the worst where several are.
-pub fn compare_all(run: Finished<'_>, all: &[&TimeSeries], against: &str) -> Metrics {
+pub fn compare_all(run: FinishedRun<'_>, all: &[&TimeSeries], against: &str) -> Metrics {
     let mut all = all.iter().map(|series| compare(run, series, against));
     let mut whole = all.next().unwrap_or_else(|| Metrics {
         against: against.to_owned(),

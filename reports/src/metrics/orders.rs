@@ -30,7 +30,7 @@ const SHIFTS: usize = 256;
 
 /// A history over mesh cycles.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct OverCycles {
+pub struct CycleHistory {
     /// Mesh cycles that have passed, ascending.
     pub cycle: Vec<f64>,
     /// Transmission error \[m\].
@@ -56,7 +56,7 @@ fn column<'s>(series: &'s TimeSeries, name: &str) -> Option<&'s [f64]> {
     (values.len() == series.time_s.len()).then_some(values)
 }
 
-impl OverCycles {
+impl CycleHistory {
     /// Returns the transmission error of a run over its own mesh cycles; `None` where it was not recorded, or where the
     /// gears turn back by more than rounding errors.
     pub fn of_run(series: &TimeSeries) -> Option<Self> {
@@ -172,8 +172,8 @@ pub struct OrderErrors {
 }
 
 /// Compares a run with a reference over the last whole mesh cycles that both have.
-pub fn errors(run: &OverCycles, reference: &OverCycles) -> Option<OrderErrors> {
-    let window = OverCycles::whole([run, reference])?;
+pub fn errors(run: &CycleHistory, reference: &CycleHistory) -> Option<OrderErrors> {
+    let window = CycleHistory::whole([run, reference])?;
     let kept = SUMMED
         .min(run.resolved(window))
         .min(reference.resolved(window));
@@ -239,18 +239,18 @@ mod tests {
     #[test]
     fn mean_and_shift_are_no_errors_and_orders_are() {
         let run = series(2.6, wave, true);
-        let own = OverCycles::of_run(&run).unwrap();
-        let found = own.amplitudes(OverCycles::whole([&own]).unwrap(), 3);
+        let own = CycleHistory::of_run(&run).unwrap();
+        let found = own.amplitudes(CycleHistory::whole([&own]).unwrap(), 3);
         for (a, b) in found.iter().zip([3e-6, 1e-6, 0.0]) {
             assert!((a - b).abs() < 1e-10, "{found:?}");
         }
         let shifted = series(2.6, |c| 7e-6 + wave(c + 0.37), false);
-        let shifted = OverCycles::of_reference(&shifted, &run).unwrap();
+        let shifted = CycleHistory::of_reference(&shifted, &run).unwrap();
         let same = errors(&own, &shifted).unwrap();
         assert!(same.aligned < 1e-4 && same.amplitudes < 1e-4, "{same:?}");
         // Half of the second order is missing: 0.5e-6 over the norm of what is there.
         let flat = series(2.6, |c| wave(c) - 0.5e-6 * (2.0 * TAU * c).sin(), false);
-        let flat = OverCycles::of_reference(&flat, &run).unwrap();
+        let flat = CycleHistory::of_reference(&flat, &run).unwrap();
         let differs = errors(&own, &flat).unwrap();
         let expected = 0.5 / (9.0_f64 + 0.25).sqrt();
         assert!((differs.amplitudes - expected).abs() < 1e-4, "{differs:?}");
@@ -261,9 +261,9 @@ mod tests {
     #[test]
     fn phases_between_orders_count_after_the_best_shift() {
         let run = series(2.6, wave, true);
-        let own = OverCycles::of_run(&run).unwrap();
+        let own = CycleHistory::of_run(&run).unwrap();
         let turned = |c: f64| 3e-6 * (TAU * c).cos() + 1e-6 * (2.0 * TAU * c).cos();
-        let other = OverCycles::of_reference(&series(2.6, turned, false), &run).unwrap();
+        let other = CycleHistory::of_reference(&series(2.6, turned, false), &run).unwrap();
         let found = errors(&own, &other).unwrap();
         assert!(found.amplitudes < 1e-4 && found.aligned > 0.1, "{found:?}");
     }
@@ -271,12 +271,12 @@ mod tests {
     /// Less than a cycle, and gears that turn back, have no orders.
     #[test]
     fn no_orders_without_a_whole_cycle() {
-        let short = OverCycles::of_run(&series(0.2, wave, true)).unwrap();
-        assert!(OverCycles::whole([&short]).is_none());
+        let short = CycleHistory::of_run(&series(0.2, wave, true)).unwrap();
+        assert!(CycleHistory::whole([&short]).is_none());
         let mut back = series(2.0, wave, true);
         for c in &mut back.columns[1].values {
             *c = (3.0 * *c).sin();
         }
-        assert!(OverCycles::of_run(&back).is_none());
+        assert!(CycleHistory::of_run(&back).is_none());
     }
 }

@@ -23,7 +23,7 @@ fn half_sine(start: f64, length: f64, peak: f64, h: f64) -> TimeSeries {
 /// Computes the metrics of a run that counts as having reached its end.
 fn metrics_of(s: &TimeSeries, reference: &TimeSeries, against: &str) -> Metrics {
     let ledger = Ledger::default();
-    let run = Finished::reached(s, &ledger, [0.0, 0.0]).unwrap();
+    let run = FinishedRun::reached(s, &ledger, [0.0, 0.0]).unwrap();
     compare(run, reference, against)
 }
 
@@ -171,7 +171,7 @@ fn broken_data_give_no_numbers_and_no_panic() {
     let (empty, ledger) = (TimeSeries::default(), Ledger::default());
     for s in [&blown, &empty] {
         for target in [&r, &empty, &blown] {
-            let Ok(run) = Finished::reached(s, &ledger, [0.0, 0.0]) else {
+            let Ok(run) = FinishedRun::reached(s, &ledger, [0.0, 0.0]) else {
                 assert!(s.is_empty());
                 continue;
             };
@@ -184,7 +184,7 @@ fn broken_data_give_no_numbers_and_no_panic() {
         residual_rel: Some(f64::INFINITY),
         ..Ledger::default()
     };
-    let run = Finished::reached(&r, &ledger, [0.0, 0.0]).unwrap();
+    let run = FinishedRun::reached(&r, &ledger, [0.0, 0.0]).unwrap();
     assert_eq!(compare(run, &r, "fe").energy_drift_rel, None);
 }
 
@@ -207,11 +207,11 @@ fn what_follows_the_reference_is_not_compared_with_it() {
 fn a_run_that_did_not_reach_its_end_is_refused() {
     let s = half_sine(1e-4, 1e-4, 1000.0, 1e-7);
     let (ledger, end) = (Ledger::default(), *s.time_s.last().unwrap());
-    assert!(Finished::reached(&s, &ledger, [end, end]).is_ok());
-    let early = Finished::reached(&s, &ledger, [end, 1.01 * end]).unwrap_err();
+    assert!(FinishedRun::reached(&s, &ledger, [end, end]).is_ok());
+    let early = FinishedRun::reached(&s, &ledger, [end, 1.01 * end]).unwrap_err();
     assert_eq!((early.reached_s, early.end_s), (end, 1.01 * end));
     assert!(early.to_string().contains("stopped at 4.0"), "{early}");
-    assert!(Finished::reached(&TimeSeries::default(), &ledger, [0.0, 0.0]).is_err());
+    assert!(FinishedRun::reached(&TimeSeries::default(), &ledger, [0.0, 0.0]).is_err());
     let mut run = Run {
         simulated_s: end,
         end_s: Some(1.01 * end),

@@ -25,7 +25,7 @@ pub use picture::{
     ContactPoint, ContactSnapshot, DeformedSection, FlankGrid, FlankLoad, FlankPatch, FlankValue,
     Outline,
 };
-pub use run::{OwnSolution, Run, Status};
+pub use run::{ConvergedSettings, Run, Status};
 use serde::{Deserialize, Serialize};
 pub use source::Source;
 
@@ -401,8 +401,8 @@ mod ordered_map {
     }
 
     pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Pairs, D::Error> {
-        struct InOrder;
-        impl<'de> Visitor<'de> for InOrder {
+        struct PairsVisitor;
+        impl<'de> Visitor<'de> for PairsVisitor {
             type Value = Pairs;
             fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
                 f.write_str("an object of strings")
@@ -415,7 +415,7 @@ mod ordered_map {
                 Ok(pairs)
             }
         }
-        deserializer.deserialize_map(InOrder)
+        deserializer.deserialize_map(PairsVisitor)
     }
 }
 

@@ -5,7 +5,7 @@ use super::{
     not_a_number, slug,
 };
 use crate::histories::Histories;
-use crate::metrics::{Finished, Unfinished};
+use crate::metrics::{FinishedRun, UnfinishedRun};
 use crate::series::TimeSeries;
 use crate::words::words;
 use serde::{Deserialize, Serialize};
@@ -172,7 +172,7 @@ pub struct Run {
     /// The model's own converged solution that the metrics against `self` refer to; absent unless it is ten times finer
     /// than the run.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub own_solution: Option<OwnSolution>,
+    pub own_solution: Option<ConvergedSettings>,
     /// One entry per reference the run is compared with.
     #[serde(default)]
     pub metrics: Vec<Metrics>,
@@ -202,7 +202,7 @@ pub struct Run {
 
 /// Method, step and tolerance of a model's own converged solution.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct OwnSolution {
+pub struct ConvergedSettings {
     /// Id of the integrator.
     pub integrator: String,
     /// Fixed step \[s\].
@@ -215,9 +215,9 @@ pub struct OwnSolution {
     pub steps: u64,
 }
 
-impl From<&Run> for OwnSolution {
+impl From<&Run> for ConvergedSettings {
     fn from(run: &Run) -> Self {
-        OwnSolution {
+        ConvergedSettings {
             integrator: run.integrator.clone(),
             step: run.step,
             rtol: run.rtol,
@@ -226,7 +226,7 @@ impl From<&Run> for OwnSolution {
     }
 }
 
-impl fmt::Display for OwnSolution {
+impl fmt::Display for ConvergedSettings {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.integrator)?;
         match (self.step, self.rtol) {
@@ -268,12 +268,12 @@ impl Run {
     /// Returns the history of the run if it reached its end, so that metrics can be computed from it.
     ///
     /// # Errors
-    /// [`Unfinished`] when it has no history, or one that ends before the run was to end.
-    pub fn finished(&self) -> Result<Finished<'_>, Unfinished> {
+    /// [`UnfinishedRun`] when it has no history, or one that ends before the run was to end.
+    pub fn finished(&self) -> Result<FinishedRun<'_>, UnfinishedRun> {
         let end_s = self.end_s.unwrap_or(self.simulated_s);
         match &self.series {
-            Some(series) => Finished::reached(series, &self.ledger, [self.simulated_s, end_s]),
-            None => Err(Unfinished {
+            Some(series) => FinishedRun::reached(series, &self.ledger, [self.simulated_s, end_s]),
+            None => Err(UnfinishedRun {
                 reached_s: f64::NEG_INFINITY,
                 end_s,
             }),

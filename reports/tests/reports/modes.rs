@@ -2,7 +2,7 @@
 
 use crate::{finding, has_only_numbers, holds, written};
 use gearbench_reports::modes::{
-    About, MemberPlace, MemberShape, MeshState, ModeRecord, ModelModes, ModesRecord,
+    LinearisedState, MemberPlace, MemberShape, MeshState, ModeRecord, ModelModes, ModesRecord,
 };
 use gearbench_reports::{Part, Results};
 
@@ -38,7 +38,7 @@ fn mode(frequency_hz: f64, name: &str, strain: Vec<f64>, turns: [f64; 2]) -> Mod
 pub fn of_models() -> Results {
     let pair = ModelModes {
         label: "rigid".into(),
-        about: About::Loaded,
+        about: LinearisedState::Loaded,
         coordinates: 2,
         steps: 7,
         residual_rel: 1e-16,
@@ -69,7 +69,7 @@ pub fn of_models() -> Results {
     };
     let lost = ModelModes {
         label: "elastic".into(),
-        about: About::NotFound,
+        about: LinearisedState::NotFound,
         message: "no equilibrium under its loads was found".into(),
         ..ModelModes::default()
     };

@@ -3,7 +3,7 @@
 
 use crate::{contents, has_only_numbers, made_up, modes, pages, precision, trains, written};
 use gearbench_reports::check::{
-    CheckRecord, Checked, Finding, Kind, Measured, Stored, Trend, Verdict,
+    CheckRecord, CheckedEntry, Finding, Kind, MeasuredEntry, Stored, Trend, Verdict,
 };
 use gearbench_reports::response::{
     GroupResponse, MeshLimit, MeshPoint, ModelResponse, MountPoint, ResponsePoint, ResponseRecord,
@@ -106,8 +106,8 @@ pub fn check_results() -> Results {
         ..Finding::default()
     };
     let kinds = Kind::ALL.into_iter().zip(Verdict::ALL.into_iter().cycle());
-    let entry = Checked {
-        measured: Measured {
+    let entry = CheckedEntry {
+        measured: MeasuredEntry {
             case: "impact".into(),
             scene: "spur_impact".into(),
             model: "rigid".into(),
@@ -115,7 +115,7 @@ pub fn check_results() -> Results {
             metrics: [("peak_force_n".to_owned(), 3612.3)].into(),
             work: [("steps".to_owned(), 1234)].into(),
             runtime: Some(1.5),
-            ..Measured::default()
+            ..MeasuredEntry::default()
         },
         findings: kinds.map(|(k, v)| finding(k, v)).collect(),
     };

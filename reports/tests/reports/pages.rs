@@ -6,8 +6,8 @@ use gearbench_reports::choice_check::{CheckRecord, Outcome, ValidatedChoice};
 use gearbench_reports::stability::{Cell, Columns, Limit, Map, MapAxis, StabilityRecord};
 use gearbench_reports::store::PAGE;
 use gearbench_reports::{
-    Adequacy, ChoiceRecord, ChooseRecord, LevelRecord, Metric, Part, ReferenceDistance, Results,
-    Status, TriedRecord, Verdict,
+    Adequacy, CandidateRecord, ChoiceRecord, ChooseRecord, LevelRecord, Metric, Part,
+    ReferenceDistance, Results, Status, Verdict,
 };
 
 /// Width of the text of a page \[px\], and of a character of its tables.
@@ -50,7 +50,7 @@ pub fn stability() -> Results {
 }
 
 pub fn choose() -> Results {
-    let tried = |cost_s: f64, error: f64| TriedRecord {
+    let tried = |cost_s: f64, error: f64| CandidateRecord {
         level: "rigid, own `rigid`".into(),
         family: "rigid".into(),
         integrator: "velocity-verlet".into(),
@@ -58,7 +58,7 @@ pub fn choose() -> Results {
         cost_s: Some(cost_s),
         error: Some(error),
         adequate: Adequacy::of(error, 0.01, 0.05),
-        ..TriedRecord::default()
+        ..CandidateRecord::default()
     };
     let level = LevelRecord {
         name: "rigid, own `rigid`".into(),

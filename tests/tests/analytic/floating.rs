@@ -4,7 +4,7 @@
 use crate::loaded_start::{scene, shipped};
 use gearbench::experiment::small_signals::assemble;
 use gearbench::scene_file::{Origin, SceneFile};
-use gearbench::studies::modes::{Wanted, vibrations};
+use gearbench::studies::modes::{ModesSettings, vibrations};
 use gearbench_integrators::system::SecondOrderSystem;
 use gearbench_models::scene::Scene;
 
@@ -13,7 +13,13 @@ fn frequencies(file: &SceneFile) -> (usize, Vec<f64>) {
     let choice = file.model("rigid").unwrap();
     let spec = file.spec_for(choice);
     let of = (&spec, &choice.modelling);
-    let found = vibrations("rigid", of, gearbench::models::models(), &Wanted::default()).unwrap();
+    let found = vibrations(
+        "rigid",
+        of,
+        gearbench::models::models(),
+        &ModesSettings::default(),
+    )
+    .unwrap();
     let times = found.modes.iter();
     let all: Vec<f64> = times
         .flat_map(|m| std::iter::repeat_n(m.frequency_hz, m.multiplicity))

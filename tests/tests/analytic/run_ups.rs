@@ -4,7 +4,7 @@ use gearbench::experiment::conditions::Conditions;
 use gearbench::experiment::configuration::Configuration;
 use gearbench::experiment::runner::Runner;
 use gearbench::scene_file::{Origin, SceneFile};
-use gearbench::studies::run_up::{Look, Plan, Ramp, study};
+use gearbench::studies::run_up::{EvaluationSettings, Plan, Ramp, study};
 use gearbench_integrators::table::DOPRI5;
 
 /// Returns a two-stage gearbox between a motor and a machine with a load.
@@ -52,7 +52,7 @@ fn a_run_up_reaches_its_speeds_whatever_the_loads() {
             entries: vec![Configuration::of(&scene, &scene.models[0])],
             method: DOPRI5.at_tolerance(1e-6),
             ramp: Some(ramp),
-            look: Look {
+            look: EvaluationSettings {
                 gear: 0,
                 multiples: 2,
                 turns: None,

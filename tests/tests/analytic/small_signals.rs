@@ -2,7 +2,7 @@
 //! the accelerated train, constraints, order.
 
 use crate::shafts::{bar, body, coupling, on, shaft};
-use gearbench::studies::modes::{Wanted, vibrations};
+use gearbench::studies::modes::{ModesSettings, vibrations};
 use gearbench_models::geometry::Side;
 use gearbench_models::law::Damping;
 use gearbench_models::spec::{
@@ -10,7 +10,7 @@ use gearbench_models::spec::{
     SceneSpec, StationMember, effective_radius,
 };
 use gearbench_models::stiffness::Material;
-use gearbench_reports::modes::{About, ModelModes};
+use gearbench_reports::modes::{LinearisedState, ModelModes};
 use gearbench_tests::*;
 use std::f64::consts::TAU;
 
@@ -20,9 +20,9 @@ pub fn vibrations_of(spec: &SceneSpec, model: &ModelSpec, contact: &ContactSpec)
         gears: vec![model.clone(); spec.gears.len()],
         contacts: vec![contact.clone(); spec.meshes.len()],
     };
-    let wanted = Wanted {
+    let wanted = ModesSettings {
         most: usize::MAX,
-        ..Wanted::default()
+        ..ModesSettings::default()
     };
     let all = &models_with_flanks();
     let found =
@@ -79,7 +79,10 @@ fn a_pair_swings_on_its_mesh() {
         let found = vibrations_of(&spec, &rigid(), &damped);
         let pairs = found.meshes[0].force_n / force;
         println!("{torques:?}: {found:?}");
-        assert_eq!((found.about, found.modes.len()), (About::Loaded, 2));
+        assert_eq!(
+            (found.about, found.modes.len()),
+            (LinearisedState::Loaded, 2)
+        );
         assert!((pairs - 1.0).abs() < 1e-9, "{pairs}");
         assert_eq!(found.modes[0].frequency_hz, 0.0);
         let f = found.modes[1].frequency_hz;
@@ -107,16 +110,22 @@ fn a_pair_swings_on_its_mesh() {
 #[test]
 fn without_loads_the_start_is_the_state() {
     let apart = vibrations_of(&case_a(3e-5), &rigid(), &contact(2e10));
-    assert_eq!((apart.about, apart.modes.len()), (About::Apart, 1));
+    assert_eq!(
+        (apart.about, apart.modes.len()),
+        (LinearisedState::Apart, 1)
+    );
     assert_eq!(apart.modes[0].multiplicity, 2);
     let pressed = vibrations_of(&case_a(-1e-6), &rigid(), &contact(2e10));
-    assert_eq!((pressed.about, pressed.modes.len()), (About::Preloaded, 2));
+    assert_eq!(
+        (pressed.about, pressed.modes.len()),
+        (LinearisedState::Preloaded, 2)
+    );
     // Torques that pull the gears apart, held by the ground in no way: they close on the other flanks. A gear that is held
     // and not pressed leaves nothing to find.
     let mut held = case_a(3e-5);
     held.gears[0].mount = Mount::Fixed;
     let held = vibrations_of(&held, &rigid(), &contact(2e10));
-    assert_eq!(held.about, About::Apart);
+    assert_eq!(held.about, LinearisedState::Apart);
 }
 
 /// Of every model the state carries the load, energies of each mode are whole, and rigid gears on the same stiffness as movable
@@ -138,7 +147,7 @@ fn every_model_carries_its_load() {
         );
         assert_eq!(
             found.about,
-            About::Loaded,
+            LinearisedState::Loaded,
             "{}: {}",
             model.id,
             found.message
@@ -180,7 +189,7 @@ fn bearings_carry_what_meshes_press() {
     let lateral = spec.gears[1].lateral.as_mut().unwrap();
     lateral.bearing.clearance = 2e-5;
     let loose = vibrations_of(&spec, &rigid(), &contact(2e10));
-    assert_eq!(loose.about, About::Loaded, "{}", loose.message);
+    assert_eq!(loose.about, LinearisedState::Loaded, "{}", loose.message);
     let force = loose.meshes[0].force_n / tight.meshes[0].force_n;
     assert!((force - 1.0).abs() < 1e-3, "{force}");
 }
@@ -242,7 +251,7 @@ fn order_is_no_matter() {
     let [one, other] = [["a", "b", "c"], ["c", "a", "b"]]
         .map(|names| vibrations_of(&scene(names), &rigid(), &contact(2e10)));
     println!("{:?}: {:?}", one.about, swinging(&one));
-    assert_eq!(one.about, About::Loaded, "{}", one.message);
+    assert_eq!(one.about, LinearisedState::Loaded, "{}", one.message);
     for (a, b) in swinging(&one).iter().zip(swinging(&other)) {
         assert!((a / b - 1.0).abs() < 1e-9, "{a} for {b}");
     }
@@ -261,10 +270,10 @@ fn shipped_driveline_swings_under_load() {
     let all = gearbench::models::models();
     for (choice, teeth) in file.models.iter().zip([false, true]) {
         let scene = (&file.spec_for(choice), &choice.modelling);
-        let found = vibrations("it", scene, all, &Wanted::default()).unwrap();
+        let found = vibrations("it", scene, all, &ModesSettings::default()).unwrap();
         let f = swinging(&found);
         println!("{}: {:?}, {:?}", choice.label, found.meshes, f);
-        assert_eq!(found.about, About::Loaded, "{}", found.message);
+        assert_eq!(found.about, LinearisedState::Loaded, "{}", found.message);
         // The load balances the motor; how stiffness changes along the path takes a millionth of it.
         let force = 20.0 / effective_radius(&file.spec.gears[0].body);
         assert!((found.meshes[0].force_n / force - 1.0).abs() < 1e-5);
@@ -306,7 +315,7 @@ fn planets_swing_in_pairs() {
             swinging(&found),
             found.message
         );
-        assert_eq!(found.about, About::Loaded);
+        assert_eq!(found.about, LinearisedState::Loaded);
         let [[js, rs], [jp, rp]] = pair_data(&spec);
         let f = swinging(&found);
         let pairs = ((f[0] * TAU).powi(2) / (per_width * WIDTH * rp * rp / jp)).round();

@@ -9,7 +9,7 @@ use gearbench_tests::*;
 const PER_WIDTH: f64 = 5e10;
 
 /// Returns case A with a torque [N m] on the pinion and the wheel fixed, overlapping by 5 um at the pitch point.
-fn held(torque: f64, wheel: Mount) -> SceneSpec {
+fn load_references(torque: f64, wheel: Mount) -> SceneSpec {
     let mut spec = case_a(-5e-6);
     spec.gears[0].speed = 0.0;
     spec.gears[0].loads = vec![Load::Applied(Profile::Constant(torque))];
@@ -38,7 +38,7 @@ fn at_rest(spec: &SceneSpec, models: &[ModelSpec]) -> (Scene, State) {
 #[test]
 fn a_torque_is_held_by_the_contact_of_every_model() {
     let torque = 60.0;
-    let spec = held(torque, Mount::Fixed);
+    let spec = load_references(torque, Mount::Fixed);
     let (force, k) = force_and_stiffness(&spec, torque);
     for model in models() {
         let (mut scene, s) = at_rest(&spec, &[usual(&model), usual(&model)]);
@@ -83,14 +83,14 @@ fn gears_that_nothing_holds_are_named() {
             let result = equilibrium(&mut scene, &mut s, &EquilibriumOptions::default());
             (result, channel(&mut scene, &s, "contact_torque:pinion"))
         };
-        let (result, _) = at_rest(&held(60.0, Mount::Revolute));
+        let (result, _) = at_rest(&load_references(60.0, Mount::Revolute));
         assert!(
             matches!(result, Err(EquilibriumError::SingularTangent { .. })),
             "{}: {result:?}",
             model.id
         );
         // Turned the other way against a held wheel the pinion may find the other flank, never rest on nothing.
-        let (result, torque) = at_rest(&held(-1.0, Mount::Fixed));
+        let (result, torque) = at_rest(&load_references(-1.0, Mount::Fixed));
         match result {
             Ok(_) => assert!((torque - 1.0).abs() < 1e-6, "{}: {torque}", model.id),
             Err(e) => assert!(
@@ -106,7 +106,7 @@ fn gears_that_nothing_holds_are_named() {
 fn driven_gears_stand_where_their_motion_has_brought_them() {
     // Both hubs prescribed: the approach along the line of action is rb1 times the pinion's advance.
     let approach = 17e-6;
-    let mut spec = held(0.0, Mount::Fixed);
+    let mut spec = load_references(0.0, Mount::Fixed);
     spec.meshes[0].start.gap = 0.0;
     spec.gears[0].loads.clear();
     let rb = effective_radius(&spec.gears[0].body);

@@ -10,7 +10,7 @@ use gearbench::experiment::conditions::Conditions;
 use gearbench::experiment::runner::Runner;
 use gearbench::models::models;
 use gearbench::scene_file::SceneFile;
-use gearbench::studies::compare::{Plan, Wanted, compare};
+use gearbench::studies::compare::{Plan, YardstickChoice, compare};
 use gearbench_integrators::observers::Tee;
 use gearbench_integrators::observers::ledger::Ledger;
 use gearbench_integrators::{Resolution, Scheme, TimePlan};
@@ -46,7 +46,7 @@ fn run(
             ..Conditions::of(scene)
         },
         tolerance: None,
-        wanted: Wanted::Stored,
+        wanted: YardstickChoice::Stored,
         ..Plan::of(
             scene,
             &[scene.model(label).unwrap()],

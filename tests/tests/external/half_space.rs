@@ -7,7 +7,7 @@
 use super::full_order::load;
 use gearbench::experiment::conditions::Conditions;
 use gearbench::experiment::runner::Runner;
-use gearbench::studies::compare::{Plan, Wanted, compare};
+use gearbench::studies::compare::{Plan, YardstickChoice, compare};
 use gearbench_integrators::{Resolution, Scheme};
 use gearbench_models::spec::{PointContact, Value};
 use gearbench_reference::reference;
@@ -27,7 +27,7 @@ fn errors(what: &str, other: ParameterOverrides<'_>, half_spaces: bool) -> Metri
             ..Conditions::of(&scene)
         },
         tolerance: None,
-        wanted: Wanted::Stored,
+        wanted: YardstickChoice::Stored,
         ..Plan::of(
             &scene,
             &[scene.model("elastic").unwrap()],

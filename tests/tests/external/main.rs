@@ -11,7 +11,7 @@ use gearbench::experiment::runner::Runner;
 use gearbench::scene_file;
 use gearbench::scene_file::calibration::Constants;
 use gearbench::studies::compare::{Plan, compare};
-use gearbench::studies::identify::{DataSet, FitPlan, Wishes, apply, identify};
+use gearbench::studies::identify::{DataSet, FitOptions, FitPlan, apply, identify};
 use gearbench_integrators::Resolution;
 use gearbench_integrators::table::DOPRI5;
 use gearbench_models::gear::table::MODELS;
@@ -152,7 +152,7 @@ fn identification_finds_the_stored_rigid_calibration_again() {
             &history.contact_force,
         )],
         held_out: Vec::new(),
-        wishes: Wishes::default(),
+        wishes: FitOptions::default(),
     };
     let found = identify(&plan, &Runner::default(), |_, _| {}).unwrap();
     let calibrated = scene_file::load_for(name, wanted).unwrap_or_else(|e| panic!("{e:?}"));

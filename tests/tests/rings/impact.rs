@@ -4,7 +4,7 @@ use super::*;
 use gearbench::experiment::conditions::Conditions;
 use gearbench::experiment::runner::Runner;
 use gearbench::scene_file::{SceneFile, Selection, load_for};
-use gearbench::studies::compare::{Plan, Wanted, compare};
+use gearbench::studies::compare::{Plan, YardstickChoice, compare};
 use gearbench_integrators::observers::Tee;
 use gearbench_integrators::observers::ledger::Ledger;
 use gearbench_integrators::{Resolution, TimePlan};
@@ -24,7 +24,7 @@ fn run(scene: &SceneFile, label: &str, modes: Option<f64>) -> Run {
             ..Conditions::of(scene)
         },
         tolerance: None,
-        wanted: Wanted::Stored,
+        wanted: YardstickChoice::Stored,
         ..Plan::of(scene, &[scene.model(label).unwrap()], &[])
     };
     for gear in &mut plan.entries[0].modelling.gears {

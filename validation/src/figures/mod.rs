@@ -25,7 +25,7 @@ const STORED: &str = "validation/results/figures.json";
 
 /// The values that one command measured.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-struct Measured {
+struct MeasuredValues {
     command: String,
     commit: String,
     created: String,
@@ -36,7 +36,7 @@ struct Measured {
 /// The stored values of all commands, by the name of their source.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 #[serde(transparent)]
-pub struct Figures(BTreeMap<String, Measured>);
+pub struct Figures(BTreeMap<String, MeasuredValues>);
 
 /// A figure of a document that differs from the stored one.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -86,7 +86,7 @@ impl Figures {
         root: &Path,
         names: &[String],
         gearbench: &Path,
-        say: &dyn Fn(&str),
+        print: &dyn Fn(&str),
     ) -> Result<(), String> {
         let all = sources()?;
         if let Some(name) = names.iter().find(|n| all.iter().all(|s| s.name != **n)) {
@@ -101,13 +101,13 @@ impl Figures {
             .iter()
             .filter(|s| names.is_empty() || names.contains(&s.name))
         {
-            say(&format!("{}: {}", source.name, source.command));
+            print(&format!("{}: {}", source.name, source.command));
             let values = source.measure(root, gearbench)?;
             if values.is_empty() {
                 return Err(format!("`{}` states no figure", source.command));
             }
             let header = machine::header("", "", "");
-            let measured = Measured {
+            let measured = MeasuredValues {
                 command: source.command.clone(),
                 commit: header.commit,
                 created: header.created,

@@ -1,11 +1,11 @@
 //! Tables of identified constants in Markdown.
 
-use super::{BARS, Carried, N_PER_MM_UM, keeps};
+use super::{BARS, N_PER_MM_UM, SceneFits, is_within_bars};
 use gearbench_reports::identify::DataRecord;
 use std::fmt::Write as _;
 
 /// Writes the tables of all scenes in Markdown.
-pub fn markdown(all: &[Carried], command: &str) -> String {
+pub fn markdown(all: &[SceneFits], command: &str) -> String {
     let mut out = format!("<!-- {command} -->\n");
     let percent = |x: Option<f64>| x.map_or_else(|| "-".into(), |x| format!("{:+.2} %", 100.0 * x));
     for scene in all {
@@ -31,7 +31,7 @@ pub fn markdown(all: &[Carried], command: &str) -> String {
         }
         let [force, peak, impulse, other] = BARS.map(|x| format!("{:.1} %", 100.0 * x));
         let kept: Vec<&str> = (scene.fits.iter())
-            .filter(|f| keeps(f))
+            .filter(|f| is_within_bars(f))
             .map(|f| f.name)
             .collect();
         let _ = writeln!(

@@ -21,13 +21,13 @@ pub struct Set {
     /// Number of scenes with one impact, the first ones, that are also validated against full finite elements.
     pub full_order: usize,
     /// Parameters of the distributions of this set.
-    pub own: Own,
+    pub own: SetDistributions,
 }
 
 /// Parameters of the distributions of one set.
 #[derive(Clone, Debug, PartialEq, serde::Deserialize, serde::Serialize)]
 #[serde(default, rename_all = "kebab-case")]
-pub struct Own {
+pub struct SetDistributions {
     /// Scenes whose number is a multiple of this run under load, and no others; `None` for a random choice.
     pub loaded_every: Option<usize>,
     /// Share of the impacts of a pinion on a rack.
@@ -40,9 +40,9 @@ pub struct Own {
     pub dashpots: bool,
 }
 
-impl Default for Own {
+impl Default for SetDistributions {
     fn default() -> Self {
-        Own {
+        SetDistributions {
             loaded_every: None,
             racks: 0.15,
             cycles: vec![2, 3],
@@ -100,7 +100,7 @@ struct SetRow {
     #[serde(default)]
     full_order: usize,
     #[serde(flatten)]
-    own: Own,
+    own: SetDistributions,
 }
 
 /// Returns the set with a name.

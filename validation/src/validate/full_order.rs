@@ -5,9 +5,9 @@ use super::measure::{error, grid};
 use super::reference::first;
 use super::{LONGEST, ValidationError};
 use crate::sampling::Sample;
-use gearbench::studies::choose::plan::{Candidate, Prepared, densest, full};
+use gearbench::studies::choose::plan::{Candidate, CandidateData, densest, full};
 use gearbench::studies::choose::problem::Problem;
-use gearbench::studies::choose::trial::{Outcome, Trial};
+use gearbench::studies::choose::trial::{Outcome, WindowModel};
 use gearbench_integrators::MethodSpec;
 use gearbench_integrators::table::{HHT_ALPHA, NEWMARK};
 use gearbench_models::spec::PointContact;
@@ -19,7 +19,7 @@ const FULL: [(MethodSpec, f64); 2] = [(NEWMARK, 250.0), (HHT_ALPHA.with_value(0.
 const FINE: (usize, f64) = (3, 10.0);
 /// Errors of the choice and of the reference of the validation, against full finite elements on a finer mesh.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
-pub struct AgainstFull {
+pub struct FullOrderErrors {
     pub chosen: Option<f64>,
     pub refined: Option<f64>,
 }
@@ -28,20 +28,23 @@ pub struct AgainstFull {
 ///
 /// # Errors
 /// [`ValidationError::Reference`]: they do not reach the end.
-pub fn against_full(sample: &Sample, chosen: Option<&str>) -> Result<AgainstFull, ValidationError> {
+pub fn against_full(
+    sample: &Sample,
+    chosen: Option<&str>,
+) -> Result<FullOrderErrors, ValidationError> {
     let problem = Problem::of(&sample.scene);
     let times = grid(problem.duration, sample.contact_time);
-    let prepared = Prepared::of(&problem)?;
+    let prepared = CandidateData::of(&problem)?;
     let full = finite_elements(&problem, (&times, sample.contact_time))?;
     let against = |candidate: &Candidate| -> Result<Option<f64>, ValidationError> {
-        let mut trial = Trial::new(&problem, &candidate.scene, &candidate.modelling)?;
+        let mut trial = WindowModel::new(&problem, &candidate.scene, &candidate.modelling)?;
         let whole = (problem.duration, &times[..]);
         let seen = trial.observe(&candidate.method, whole, false, LONGEST)?;
         Ok(error(&seen, sample.metric, &full))
     };
     let all = prepared.candidates(&problem);
     let chosen = all.iter().find(|c| Some(c.name().as_str()) == chosen);
-    Ok(AgainstFull {
+    Ok(FullOrderErrors {
         chosen: chosen.map(&against).transpose()?.flatten(),
         refined: against(&densest(&problem, &prepared, prepared.details.judge()))?,
     })

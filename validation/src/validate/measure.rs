@@ -4,7 +4,7 @@ use super::ValidationError;
 use gearbench::experiment::machine::cpu_time;
 use gearbench::experiment::run::NO_BOUND;
 use gearbench::studies::choose::problem::Problem;
-use gearbench::studies::choose::trial::{Outcome, Trial};
+use gearbench::studies::choose::trial::{Outcome, WindowModel};
 use gearbench_integrators::Scheme;
 use gearbench_integrators::system::SecondOrderSystem;
 use gearbench_integrators::{AcceptedStep, Control, Sink, TimePlan, Work};
@@ -36,11 +36,11 @@ const MEANINGLESS: f64 = 1e6;
 
 /// Stops a timed run with such speeds.
 #[derive(Default)]
-struct Guard {
+struct SpeedBound {
     lost: bool,
 }
 
-impl Sink for Guard {
+impl Sink for SpeedBound {
     fn accepted(&mut self, _: &mut dyn SecondOrderSystem, step: &AcceptedStep<'_>) -> Control {
         let sound = |v: &f64| v.abs() < MEANINGLESS;
         if step.to.v.iter().all(sound) {
@@ -62,7 +62,7 @@ pub fn outcome(
     method: &Scheme,
     times: &[f64],
 ) -> Result<Outcome, ValidationError> {
-    let mut trial = Trial::new(problem, &problem.scene, modelling)?;
+    let mut trial = WindowModel::new(problem, &problem.scene, modelling)?;
     Ok(trial.observe(method, (problem.duration, times), false, NO_BOUND)?)
 }
 
@@ -74,7 +74,12 @@ pub fn error(run: &Outcome, metric: Metric, reference: &Outcome) -> Option<f64> 
 
 /// Time of one run through the scene [s]: the shortest of a batch of repeats, in processor time if that is long enough
 /// for its resolution. `None` if the run failed or took longer than `limit`.
-pub fn time(trial: &mut Trial<'_>, method: &Scheme, duration: f64, limit: Duration) -> Option<f64> {
+pub fn time(
+    trial: &mut WindowModel<'_>,
+    method: &Scheme,
+    duration: f64,
+    limit: Duration,
+) -> Option<f64> {
     let mut integrator = method.method.build();
     let mut shortest = f64::INFINITY;
     let begin = Instant::now();
@@ -86,7 +91,7 @@ pub fn time(trial: &mut Trial<'_>, method: &Scheme, duration: f64, limit: Durati
         };
         let (one, start) = (Instant::now(), cpu_time());
         let mut work = Work::default();
-        let mut guard = Guard::default();
+        let mut guard = SpeedBound::default();
         let ended = integrator.run(&mut trial.scene, &mut state, &plan, &mut guard, &mut work);
         let wall = one.elapsed().as_secs_f64();
         if ended.is_err() || guard.lost {
@@ -106,8 +111,8 @@ pub fn time(trial: &mut Trial<'_>, method: &Scheme, duration: f64, limit: Durati
 /// Times of two models under their methods [s]: medians of alternating runs, so that the machine is in the same state
 /// for both.
 pub fn side_by_side(
-    a: (&mut Trial<'_>, &Scheme),
-    b: (&mut Trial<'_>, &Scheme),
+    a: (&mut WindowModel<'_>, &Scheme),
+    b: (&mut WindowModel<'_>, &Scheme),
     duration: f64,
 ) -> [Option<f64>; 2] {
     const ROUNDS: usize = 7;

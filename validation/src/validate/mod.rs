@@ -20,15 +20,15 @@ use gearbench::experiment::machine::cpu_time;
 use gearbench::experiment::run::RunError;
 use gearbench::studies::choose::detail::{Detail, Details};
 use gearbench::studies::choose::level::Level;
-use gearbench::studies::choose::plan::{Candidate, DENSEST, Prepared};
+use gearbench::studies::choose::plan::{Candidate, CandidateData, DENSEST};
 use gearbench::studies::choose::problem::Problem;
 use gearbench::studies::choose::requirement::Requirement;
 use gearbench::studies::choose::run::{ChooseError, choose};
-use gearbench::studies::choose::trial::{Outcome as Seen, Trial};
+use gearbench::studies::choose::trial::{Outcome as Seen, WindowModel};
 use gearbench_integrators::Resolution;
 use gearbench_models::spec::Body;
 use gearbench_reports::Verdict;
-use gearbench_reports::choice_check::{Outcome, TriedCandidate, ValidatedChoice};
+use gearbench_reports::choice_check::{Outcome, ValidatedCandidate, ValidatedChoice};
 use gearbench_reports::record::Status;
 use measure::{error, side_by_side, time};
 pub use measure::{grid, outcome};
@@ -108,7 +108,7 @@ fn gears(sample: &Sample) -> String {
 }
 
 /// The cheapest candidate within the tolerance so far.
-struct Best {
+struct CheapestCandidate {
     index: usize,
     cost: f64,
     error: f64,
@@ -130,7 +130,7 @@ fn validate_into(row: &mut ValidatedChoice, sample: &Sample) -> Result<(), Valid
     // All modes at once: the choice and the candidates take theirs of these. What the finer mesh costs is told.
     let details = Details::of(&problem, DENSEST);
     row.refining_s = Some(details.setup_s(Detail::Finer));
-    let prepared = Prepared::with(&problem, details)?;
+    let prepared = CandidateData::with(&problem, details)?;
     let (begin, start) = (Instant::now(), cpu_time());
     let choice = choose(&problem, &requirement, |_| {});
     row.choosing_s = match (start, cpu_time()) {
@@ -149,7 +149,7 @@ fn validate_into(row: &mut ValidatedChoice, sample: &Sample) -> Result<(), Valid
     // What the choice had to do without candidates and judge do without as well.
     let judged = choice.as_ref().map(|c| c.details.clone());
     let prepared = match judged {
-        Some(details) => Prepared::with(&problem, details)?,
+        Some(details) => CandidateData::with(&problem, details)?,
         None => prepared,
     };
     let truth = match reference::reference((&problem, &prepared), metric, &times) {
@@ -158,7 +158,7 @@ fn validate_into(row: &mut ValidatedChoice, sample: &Sample) -> Result<(), Valid
         {
             row.reference = reference::MESH_NAME.into();
             let given = Details::as_given(&problem, why);
-            let given = Prepared::with(&problem, given)?;
+            let given = CandidateData::with(&problem, given)?;
             reference::reference((&problem, &given), metric, &times)?
         }
         other => other?,
@@ -184,7 +184,7 @@ fn validate_into(row: &mut ValidatedChoice, sample: &Sample) -> Result<(), Valid
     }
     all.sort_by(|a, b| effort(a).total_cmp(&effort(b)));
     row.candidates = all.len();
-    let mut best: Option<Best> = None;
+    let mut best: Option<CheapestCandidate> = None;
     for index in 0..all.len() {
         let tried = try_one(
             (&problem, &all, index),
@@ -230,7 +230,7 @@ fn validate_into(row: &mut ValidatedChoice, sample: &Sample) -> Result<(), Valid
         .as_ref()
         .map(|c| c.predicted_cost_s)
         .filter(|c| c.is_finite());
-    let mut trial = Trial::new(&problem, &chosen.scene, &chosen.modelling)?;
+    let mut trial = WindowModel::new(&problem, &chosen.scene, &chosen.modelling)?;
     let whole = (problem.duration, &times[..]);
     let seen = trial.observe(&chosen.method, whole, false, LONGEST)?;
     row.error = error(&seen, metric, &truth.run);
@@ -246,7 +246,7 @@ fn validate_into(row: &mut ValidatedChoice, sample: &Sample) -> Result<(), Valid
     match &best {
         Some(b) if all[b.index].name() != chosen.name() => {
             let cheapest = &all[b.index];
-            let mut other = Trial::new(&problem, &cheapest.scene, &cheapest.modelling)?;
+            let mut other = WindowModel::new(&problem, &cheapest.scene, &cheapest.modelling)?;
             let [own, least] = side_by_side(
                 (&mut trial, &chosen.method),
                 (&mut other, &cheapest.method),
@@ -288,15 +288,15 @@ const SKIPPED: &str = "skipped";
 /// Runs one candidate and updates the best one.
 fn try_one(
     (problem, all, index): (&Problem, &[Candidate], usize),
-    before: &[TriedCandidate],
-    (best, tolerance): (&mut Option<Best>, f64),
+    before: &[ValidatedCandidate],
+    (best, tolerance): (&mut Option<CheapestCandidate>, f64),
     error: impl Fn(&Seen) -> Option<f64>,
     times: &[f64],
-) -> Result<TriedCandidate, ValidationError> {
+) -> Result<ValidatedCandidate, ValidationError> {
     let candidate = &all[index];
-    let mut tried = TriedCandidate {
+    let mut tried = ValidatedCandidate {
         name: candidate.name(),
-        ..TriedCandidate::default()
+        ..ValidatedCandidate::default()
     };
     let least = best.as_ref().map(|b| b.cost);
     if let Some(least) = least
@@ -307,7 +307,7 @@ fn try_one(
         tried.status = SKIPPED.into();
         return Ok(tried);
     }
-    let mut trial = match Trial::new(problem, &candidate.scene, &candidate.modelling) {
+    let mut trial = match WindowModel::new(problem, &candidate.scene, &candidate.modelling) {
         Ok(trial) => trial,
         Err(e) => {
             tried.status = e.to_string();
@@ -363,7 +363,7 @@ fn try_one(
     tried.status = ADEQUATE.into();
     tried.cost_s = Some(cost);
     if least.is_none_or(|c| cost < c) {
-        *best = Some(Best {
+        *best = Some(CheapestCandidate {
             index,
             cost,
             error: e,

@@ -6,9 +6,9 @@
 
 use super::ValidationError;
 use super::measure::{PATIENCE, error};
-use gearbench::studies::choose::plan::{DENSEST, Prepared, densest, elastic};
-use gearbench::studies::choose::problem::{Flexible, Problem};
-use gearbench::studies::choose::trial::{Outcome, Trial};
+use gearbench::studies::choose::plan::{CandidateData, DENSEST, densest, elastic};
+use gearbench::studies::choose::problem::{ElasticSettings, Problem};
+use gearbench::studies::choose::trial::{Outcome, WindowModel};
 use gearbench_integrators::Resolution;
 use gearbench_integrators::Scheme;
 use gearbench_models::spec::Modelling;
@@ -41,7 +41,7 @@ fn ended(
     method: &Scheme,
     grid: &[f64],
 ) -> Result<Outcome, ValidationError> {
-    let mut trial = Trial::new(problem, &problem.scene, modelling)?;
+    let mut trial = WindowModel::new(problem, &problem.scene, modelling)?;
     let seen = trial.observe(method, (problem.duration, grid), false, PATIENCE)?;
     if seen.usable() {
         return Ok(seen);
@@ -74,7 +74,7 @@ pub fn first<'m>(
 }
 
 pub fn reference(
-    (problem, prepared): (&Problem, &Prepared),
+    (problem, prepared): (&Problem, &CandidateData),
     metric: Metric,
     grid: &[f64],
 ) -> Result<Reference, ValidationError> {
@@ -87,10 +87,11 @@ pub fn reference(
     // says nothing of the one that does.
     let twice = scaled(method, 2.0);
     let step = twice.resolution.step();
-    let at_twice =
-        |of: &Flexible, modes: usize| ended(problem, &elastic(of, modes, step), &twice, grid).ok();
+    let at_twice = |of: &ElasticSettings, modes: usize| {
+        ended(problem, &elastic(of, modes, step), &twice, grid).ok()
+    };
     let coarse = at_twice(judge, DENSEST);
-    let off = |of: &Flexible, modes: usize| {
+    let off = |of: &ElasticSettings, modes: usize| {
         let (run, coarse) = (at_twice(of, modes)?, coarse.as_ref()?);
         error(&run, metric, coarse)
     };
@@ -98,7 +99,7 @@ pub fn reference(
         coarse.as_ref().and_then(|o| error(o, metric, &fine)),
         off(judge, FEWER),
     ];
-    let of = |other: &Flexible| {
+    let of = |other: &ElasticSettings| {
         (other.detail != judge.detail)
             .then(|| off(other, DENSEST))
             .flatten()

@@ -36,7 +36,7 @@ fn choices_are_judged() {
 fn kin_is_ordered() {
     let set = sampling::set("tuning").unwrap();
     let problem = Problem::of(&sampling::sample(&set, 33).unwrap().scene);
-    let all = Prepared::of(&problem).unwrap().candidates(&problem);
+    let all = CandidateData::of(&problem).unwrap().candidates(&problem);
     let of = |level: &str, text: &str| -> Vec<&Candidate> {
         (all.iter())
             .filter(|c| c.level.name() == level && c.method.method == text.parse().unwrap())

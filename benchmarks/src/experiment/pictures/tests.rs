@@ -12,11 +12,11 @@ use gearbench_reports::record::Run;
 use std::collections::HashMap;
 
 /// Contents of the file of a frame: arrays of numbers by name.
-struct Read {
+struct FrameFile {
     arrays: HashMap<String, Vec<f64>>,
 }
 
-impl Read {
+impl FrameFile {
     fn of(path: &Path) -> Self {
         let bytes = std::fs::read(path).unwrap();
         let mark = b"<AppendedData encoding=\"raw\">\n_";
@@ -44,7 +44,7 @@ impl Read {
             };
             arrays.insert(value("Name").to_owned(), numbers);
         }
-        let read = Read { arrays };
+        let read = FrameFile { arrays };
         // Cells end where their nodes do, and have nodes of the file alone.
         let nodes = read.of_name("Points").len() / 3;
         let (ends, cells) = (read.of_name("offsets"), read.of_name("connectivity"));
@@ -72,7 +72,7 @@ impl Read {
 }
 
 /// A run with frames, and these with their times from the collection.
-fn pictured(scene: &SceneFile, method: Scheme, frames: usize) -> (Run, Vec<(f64, Read)>) {
+fn pictured(scene: &SceneFile, method: Scheme, frames: usize) -> (Run, Vec<(f64, FrameFile)>) {
     let folder = tempfile::tempdir().unwrap();
     let choices: Vec<_> = scene.models.iter().collect();
     let plan = Plan {
@@ -99,7 +99,7 @@ fn pictured(scene: &SceneFile, method: Scheme, frames: usize) -> (Run, Vec<(f64,
             .split_once('"')
             .unwrap()
             .0;
-        let read = Read::of(&folder.path().join(file));
+        let read = FrameFile::of(&folder.path().join(file));
         let time: f64 = time.parse().unwrap();
         assert_eq!(read.of_name("TimeValue"), [time]);
         (time, read)
@@ -122,7 +122,7 @@ fn at(run: &Run, values: &[f64], time: f64) -> f64 {
 }
 
 /// Checks that the forces on both gears are opposite, and sum up to the force of the run.
-fn bears_the_force(run: &Run, frames: &[(f64, Read)], within: f64) {
+fn bears_the_force(run: &Run, frames: &[(f64, FrameFile)], within: f64) {
     let series = run.series.as_ref().unwrap();
     let peak = series.contact_force_n.iter().copied().fold(0.0, f64::max);
     let mut most = 0.0_f64;
@@ -212,7 +212,7 @@ fn movable_teeth_yield() {
     );
     let (run, frames) = pictured(&scene, VELOCITY_VERLET.at_step(2e-7), 21);
     bears_the_force(&run, &frames, 2e-2);
-    let most = |read: &Read| {
+    let most = |read: &FrameFile| {
         let all = read.vectors("displacement");
         all.iter().map(|u| u.norm()).fold(0.0, f64::max)
     };
@@ -241,7 +241,7 @@ fn elastic_gears_show_their_displacement() {
     bears_the_force(&run, &frames, 2e-2);
     let series = run.series.as_ref().unwrap();
     let moved = frames.iter().max_by(|a, b| {
-        let force = |f: &&(f64, Read)| at(&run, &series.contact_force_n, f.0);
+        let force = |f: &&(f64, FrameFile)| at(&run, &series.contact_force_n, f.0);
         force(a).total_cmp(&force(b))
     });
     let all = moved.unwrap().1.vectors("displacement");

@@ -11,14 +11,17 @@ const TAKE_ELASTIC: &str =
     "use elastic gears, whose modes and compliance are reduced from the same mesh";
 
 /// Selected models, and settings for the report.
-type Taken<'s> = (Vec<&'s ModelChoice>, Vec<(String, String)>);
+type SelectedModels<'s> = (Vec<&'s ModelChoice>, Vec<(String, String)>);
 
 /// Selects the models with some labels, or all of the study except full finite elements; also returns the settings for
 /// the report.
 ///
 /// # Errors
 /// Unknown labels, or requested full finite elements.
-pub fn taken<'s>(scene: &'s SceneFile, labels: Option<&str>) -> Result<Taken<'s>, SceneError> {
+pub fn selected_models<'s>(
+    scene: &'s SceneFile,
+    labels: Option<&str>,
+) -> Result<SelectedModels<'s>, SceneError> {
     let choices = scene.select(labels)?;
     let large = |c: &&ModelChoice| {
         let ids = c.modelling.gears.iter().map(|g| g.id.as_str());

@@ -20,8 +20,8 @@
 //! from the least to the greatest. `modes`, `response`, `sweep` and the mesh modes of all other studies use this
 //! resonance.
 
-use super::equilibrium::pressed;
-use super::{Loaded, NotSolved, loaded};
+use super::equilibrium::normal_forces;
+use super::{LoadedState, LoadedStateError, loaded};
 use gearbench_integrators::system::{Events, SecondOrderSystem, State};
 use gearbench_models::scene::{Scene, SceneGear};
 use gearbench_models::spec::{Body, SceneSpec};
@@ -117,7 +117,7 @@ impl MeshCycle {
 /// A scene in quasi-static motion under its loads.
 pub struct Running {
     /// The loaded state at the start.
-    pub start: Loaded,
+    pub start: LoadedState,
     /// One row for each mesh of the scene.
     pub rows: Vec<MeshRow>,
     /// Mesh cycles, one for each mesh frequency.
@@ -130,7 +130,7 @@ fn change(scene: &mut Scene, s: &State, [dq, dv]: [&[f64]; 2]) -> Vec<f64> {
         let mut moved = s.clone();
         moved.q.iter_mut().zip(dq).for_each(|(q, x)| *q += sign * x);
         moved.v.iter_mut().zip(dv).for_each(|(v, x)| *v += sign * x);
-        pressed(scene, &moved)
+        normal_forces(scene, &moved)
     };
     let (up, down) = (at(1.0), at(-1.0));
     up.iter().zip(&down).map(|(u, d)| 0.5 * (u - d)).collect()
@@ -163,7 +163,7 @@ struct Cycle<'a> {
 pub(super) type HubSpring<'a> = (&'a [f64], f64);
 
 /// The natural mode with the largest strain energy of some meshes as springs between hubs.
-pub(super) fn of_meshes(found: &Loaded, meshes: &[HubSpring<'_>]) -> Option<usize> {
+pub(super) fn of_meshes(found: &LoadedState, meshes: &[HubSpring<'_>]) -> Option<usize> {
     let (space, modes) = (&found.space, &found.modes);
     let mut strain = vec![0.0; modes.squares.len()];
     for (closing, stiffness) in meshes {
@@ -182,8 +182,11 @@ pub(super) fn of_meshes(found: &Loaded, meshes: &[HubSpring<'_>]) -> Option<usiz
 /// The index of the mesh mode of all loaded meshes among the natural modes.
 ///
 /// # Errors
-/// [`NotSolved`] where own coordinates of a gear have no stiffness, or no mesh has one.
-pub(super) fn mesh_mode_at(scene: &mut Scene, found: &Loaded) -> Result<usize, NotSolved> {
+/// [`LoadedStateError`] where own coordinates of a gear have no stiffness, or no mesh has one.
+pub(super) fn mesh_mode_at(
+    scene: &mut Scene,
+    found: &LoadedState,
+) -> Result<usize, LoadedStateError> {
     let mut cycle = Cycle::of(scene, found)?;
     cycle.fill_rows(&found.state);
     let all = cycle.at(found, &vec![0.0; found.state.q.len()]);
@@ -192,13 +195,18 @@ pub(super) fn mesh_mode_at(scene: &mut Scene, found: &Loaded) -> Result<usize, N
         .map(|(row, phase)| (&row.hubs[..], 1.0 / phase.compliance))
         .collect();
     match springs.is_empty() {
-        true => Err(NotSolved::Matrices(NO_STIFFNESS)),
-        false => of_meshes(found, &springs).ok_or(NotSolved::Matrices("nothing in it vibrates")),
+        true => Err(LoadedStateError::Matrices(NO_STIFFNESS)),
+        false => {
+            of_meshes(found, &springs).ok_or(LoadedStateError::Matrices("nothing in it vibrates"))
+        }
     }
 }
 
 /// Rigid-body rotation of each gear: its own coordinates follow the hub without strain.
-fn turns(scene: &Scene, mechanism: &DMatrix<f64>) -> Result<Vec<Option<Vec<f64>>>, NotSolved> {
+fn turns(
+    scene: &Scene,
+    mechanism: &DMatrix<f64>,
+) -> Result<Vec<Option<Vec<f64>>>, LoadedStateError> {
     let of = |g: &SceneGear| {
         let (hub, range) = (g.model.hub(), g.range());
         if !hub.is_free() {
@@ -211,7 +219,7 @@ fn turns(scene: &Scene, mechanism: &DMatrix<f64>) -> Result<Vec<Option<Vec<f64>>
             let block = mechanism.view((own.start, own.start), (own.len(), own.len()));
             let by_hub = mechanism.view((own.start, range.start), (own.len(), 1));
             let solved = block.into_owned().lu().solve(&-by_hub);
-            let solved = solved.ok_or(NotSolved::Matrices(
+            let solved = solved.ok_or(LoadedStateError::Matrices(
                 "the internal coordinates of a gear have no stiffness",
             ))?;
             turn[own].copy_from_slice(solved.as_slice());
@@ -223,7 +231,7 @@ fn turns(scene: &Scene, mechanism: &DMatrix<f64>) -> Result<Vec<Option<Vec<f64>>
 
 impl<'a> Cycle<'a> {
     /// Starts a mesh cycle at a loaded state, without rows.
-    fn of(scene: &'a mut Scene, start: &Loaded) -> Result<Cycle<'a>, NotSolved> {
+    fn of(scene: &'a mut Scene, start: &LoadedState) -> Result<Cycle<'a>, LoadedStateError> {
         let n = start.state.q.len();
         let (mut scales, mut speeds) = (vec![0.0; n], vec![0.0; n]);
         scene.scales(&mut scales, &mut speeds);
@@ -321,7 +329,7 @@ impl<'a> Cycle<'a> {
     }
 
     /// The states of the meshes at a loaded state that is displaced by `away` from the first, relative to carriers.
-    fn at(&mut self, found: &Loaded, away: &[f64]) -> Vec<MeshPhase> {
+    fn at(&mut self, found: &LoadedState, away: &[f64]) -> Vec<MeshPhase> {
         let s = &found.state;
         let mut loads = Vec::new();
         self.scene.loads(s.at(), &mut loads);
@@ -340,7 +348,7 @@ impl<'a> Cycle<'a> {
         let h = STEP / moved.fold(f64::MIN_POSITIVE, f64::max);
         let step: Vec<f64> = x.iter().map(|x| h * x).collect();
         let by_loads = change(self.scene, s, [&step, &vec![0.0; x.len()]]);
-        let forces = pressed(self.scene, s);
+        let forces = normal_forces(self.scene, s);
         (0..self.rows.len())
             .map(|m| {
                 let compliance = h * dot(&self.rows[m].hubs, &x) / by_loads[m];
@@ -380,20 +388,24 @@ fn frequencies(scene: &Scene, spec: &SceneSpec, seen: &State) -> Vec<f64> {
 /// Follows a scene quasi-statically through the cycles of its meshes, with `phases` phases each.
 ///
 /// # Errors
-/// [`NotSolved`] if a loaded state is not found, if gears are at rest, or if a mesh carries no load.
-pub fn running(scene: &mut Scene, spec: &SceneSpec, phases: usize) -> Result<Running, NotSolved> {
+/// [`LoadedStateError`] if a loaded state is not found, if gears are at rest, or if a mesh carries no load.
+pub fn running(
+    scene: &mut Scene,
+    spec: &SceneSpec,
+    phases: usize,
+) -> Result<Running, LoadedStateError> {
     let start = loaded(scene, true)?;
     let seen = scene.relative_state(&start.state);
     let frequencies = frequencies(scene, spec, &seen);
     if frequencies.iter().any(|f| *f <= 0.0) {
-        return Err(NotSolved::Matrices(
+        return Err(LoadedStateError::Matrices(
             "a mesh does not rotate at the initial speeds, so that its mesh frequency is zero",
         ));
     }
     let mut cycle = Cycle::of(scene, &start)?;
     cycle.fill_rows(&start.state);
     if !cycle.rows.iter().all(MeshRow::carries) {
-        return Err(NotSolved::Matrices(NO_STIFFNESS));
+        return Err(LoadedStateError::Matrices(NO_STIFFNESS));
     }
     let mut cycles: Vec<MeshCycle> = Vec::new();
     for (mesh, f) in frequencies.into_iter().enumerate() {
@@ -413,7 +425,7 @@ pub fn running(scene: &mut Scene, spec: &SceneSpec, phases: usize) -> Result<Run
         let dt = 1.0 / (group.frequency * phases as f64);
         let mut s = start.state.clone();
         for i in 0..phases {
-            let mut note = |cycle: &mut Cycle<'_>, found: &Loaded| {
+            let mut note = |cycle: &mut Cycle<'_>, found: &LoadedState| {
                 let now = cycle.scene.relative_state(&found.state);
                 let t = found.state.t - start.state.t;
                 let mut away: Vec<f64> = (now.q.iter().zip(&seen.q).zip(&seen.v))

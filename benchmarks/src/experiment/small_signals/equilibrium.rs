@@ -15,8 +15,8 @@
 //! no effect, while viscous loads do. Gears on a carrier have its velocity at their position, and their centrifugal
 //! forces are part of `f`.
 
-use super::NotSolved;
-use super::space::{Modes, Space};
+use super::LoadedStateError;
+use super::admissible_motions::{AdmissibleMotions, Modes};
 use gearbench_integrators::system::{SecondOrderSystem, State};
 use gearbench_models::scene::{LinearisedScene, Scene};
 use nalgebra::DVector;
@@ -38,13 +38,13 @@ const MOST_STEPS: u32 = 200;
 const MOST_HALVINGS: u32 = 45;
 
 /// A loaded state of equilibrium with the linearised scene and its modes.
-pub struct Loaded {
+pub struct LoadedState {
     /// Coordinates, velocities and discrete state of the equilibrium.
     pub state: State,
     /// The scene linearised at the state.
     pub linear: LinearisedScene,
     /// The space of motions without the rigid-body ones.
-    pub space: Space,
+    pub space: AdmissibleMotions,
     /// Natural modes without the rigid-body motions.
     pub modes: Modes,
     /// Rigid-body motions `y`, in coordinates of unit mass.
@@ -56,7 +56,7 @@ pub struct Loaded {
 }
 
 /// Sum of the normal forces of each mesh [N].
-pub(super) fn pressed(scene: &mut Scene, s: &State) -> Vec<f64> {
+pub(super) fn normal_forces(scene: &mut Scene, s: &State) -> Vec<f64> {
     let mut sums = vec![0.0; scene.meshes().len()];
     for contact in scene.contact_forces(s.at()) {
         sums[contact.mesh] += contact.normal_force;
@@ -65,18 +65,22 @@ pub(super) fn pressed(scene: &mut Scene, s: &State) -> Vec<f64> {
 }
 
 /// The remaining motions, the rigid-body motions `y`, and the velocities of the mechanism.
-type Motions = (Space, Vec<DVector<f64>>, Vec<f64>);
+type Motions = (AdmissibleMotions, Vec<DVector<f64>>, Vec<f64>);
 
 /// Rigid-body motions and velocities of the mechanism, without contact.
-fn motions(scene: &mut Scene, s: &State, linear: &LinearisedScene) -> Result<Motions, NotSolved> {
-    let mut space = Space::new(&linear.mass)?;
-    space.hold(&scene.constraints());
+fn motions(
+    scene: &mut Scene,
+    s: &State,
+    linear: &LinearisedScene,
+) -> Result<Motions, LoadedStateError> {
+    let mut space = AdmissibleMotions::new(&linear.mass)?;
+    space.constrain(&scene.constraints());
     let mechanism = scene.mechanism(s.at(), &linear.mass);
     let modes = space.modes(&mechanism.stiffness)?;
     let floor = slack_of(&modes);
     let slack = modes.squares.iter().take_while(|x| **x <= floor).count();
     // What the ground drives is held in the space; what follows it, and driven hubs, strains nothing.
-    let mut speeds = space.held_velocity(&s.v, space.held());
+    let mut speeds = space.held_velocity(&s.v, space.constraints());
     let held = DVector::from_column_slice(&speeds);
     let driven = DVector::from_column_slice(&mechanism.driven) - &mechanism.stiffness * held;
     let driven = modes.vectors.tr_mul(&space.force(driven.as_slice()));
@@ -95,13 +99,13 @@ fn motions(scene: &mut Scene, s: &State, linear: &LinearisedScene) -> Result<Mot
     let of = |i: usize| space.whole(&modes.vectors.column(i).into_owned());
     let rigid: Vec<_> = (0..slack).map(of).collect();
     for y in &rigid {
-        space.hold_along(y.clone());
+        space.constrain_along(y.clone());
     }
     Ok((space, rigid, speeds))
 }
 
 /// Result of the line search along a step.
-enum Along {
+enum LineSearch {
     /// The forces along the step hardly change: no flank is in contact.
     Free,
     /// At this share of the step the forces along it are nearly balanced.
@@ -111,7 +115,7 @@ enum Along {
 /// Quantities that all iterations of a search for equilibrium share.
 struct Search<'a> {
     scene: &'a mut Scene,
-    space: Space,
+    space: AdmissibleMotions,
     rigid: Vec<DVector<f64>>,
     /// Typical deflections of all coordinates.
     scales: Vec<f64>,
@@ -135,7 +139,7 @@ impl Search<'_> {
 
     /// Line search along a step with initial forces `on` the modes. Loads and contacts have a potential, which
     /// decreases along the step until the power of all forces along it, `f . x`, changes its sign.
-    fn part_of(&mut self, s: &State, step: &[f64], modes: &Modes, on: &DVector<f64>) -> Along {
+    fn part_of(&mut self, s: &State, step: &[f64], modes: &Modes, on: &DVector<f64>) -> LineSearch {
         let along = modes.vectors.tr_mul(&self.space.velocity(step));
         let before = on.dot(&along);
         let (mut low, mut high, mut part) = (0.0, 1.0, 1.0);
@@ -143,10 +147,10 @@ impl Search<'_> {
             let trial = self.moved(s, step, part);
             let after = self.on_modes(&trial, modes).dot(&along);
             if trials == 0 && after > LEFT * before {
-                return Along::Free;
+                return LineSearch::Free;
             }
             if after.abs() <= LEFT * before || (trials == 0 && after >= 0.0) {
-                return Along::Met(part);
+                return LineSearch::Met(part);
             }
             if after > 0.0 {
                 low = part;
@@ -155,7 +159,7 @@ impl Search<'_> {
             }
             part = 0.5 * (low + high);
         }
-        Along::Met(if low > 0.0 { low } else { part })
+        LineSearch::Met(if low > 0.0 { low } else { part })
     }
 
     /// Member with the largest residual force, and that force relative to the largest load.
@@ -205,8 +209,8 @@ fn slack_of(modes: &Modes) -> f64 {
 /// Computes the loaded state of a scene from its start; `loads` is true if loads act.
 ///
 /// # Errors
-/// [`NotSolved`] if there is no equilibrium, or if it was not found.
-pub fn loaded(scene: &mut Scene, loads: bool) -> Result<Loaded, NotSolved> {
+/// [`LoadedStateError`] if there is no equilibrium, or if it was not found.
+pub fn loaded(scene: &mut Scene, loads: bool) -> Result<LoadedState, LoadedStateError> {
     let mut s = scene.initial();
     let first = scene.linearised(s.at());
     if !first
@@ -215,7 +219,7 @@ pub fn loaded(scene: &mut Scene, loads: bool) -> Result<Loaded, NotSolved> {
         .chain(&first.mass)
         .all(|x| x.is_finite())
     {
-        return Err(NotSolved::Matrices("its tangent is not finite"));
+        return Err(LoadedStateError::Matrices("its tangent is not finite"));
     }
     let start = s.v.clone();
     let mut sides = scene.acting_sides(s.at());
@@ -239,7 +243,7 @@ pub fn loaded(scene: &mut Scene, loads: bool) -> Result<Loaded, NotSolved> {
         let all = search.forces(&s);
         let on = modes.vectors.tr_mul(&search.space.force(&all));
         if on.iter().any(|x| !x.is_finite()) {
-            return Err(NotSolved::Matrices("its forces are not finite"));
+            return Err(LoadedStateError::Matrices("its forces are not finite"));
         }
         let apart = (modes.squares.iter().zip(&on))
             .filter(|(square, _)| **square <= slack_of(&modes))
@@ -261,8 +265,8 @@ pub fn loaded(scene: &mut Scene, loads: bool) -> Result<Loaded, NotSolved> {
             if loads {
                 s = search.moved(&s, &step, 1.0);
             }
-            let pressed = pressed(search.scene, &s);
-            return Ok(Loaded {
+            let pressed = normal_forces(search.scene, &s);
+            return Ok(LoadedState {
                 pressed,
                 state: s,
                 linear,
@@ -275,7 +279,7 @@ pub fn loaded(scene: &mut Scene, loads: bool) -> Result<Loaded, NotSolved> {
         if steps == MOST_STEPS {
             let on = search.on_modes(&s, &modes);
             let (imbalance, at) = search.imbalance(&s, &(&modes.vectors * on));
-            return Err(NotSolved::Unbalanced {
+            return Err(LoadedStateError::Unbalanced {
                 steps,
                 imbalance,
                 at,
@@ -297,12 +301,12 @@ pub fn loaded(scene: &mut Scene, loads: bool) -> Result<Loaded, NotSolved> {
         let part = search.part_of(&s, &step, &modes, &on);
         // What meets no flank on its way may go further.
         bound = match part {
-            Along::Free => (2.0 * bound).min(farthest),
-            Along::Met(_) => BOUND,
+            LineSearch::Free => (2.0 * bound).min(farthest),
+            LineSearch::Met(_) => BOUND,
         };
         let low = match part {
-            Along::Free => 1.0,
-            Along::Met(part) => part,
+            LineSearch::Free => 1.0,
+            LineSearch::Met(part) => part,
         };
         s = search.moved(&s, &step, low);
     }

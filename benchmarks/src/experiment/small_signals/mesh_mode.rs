@@ -6,7 +6,7 @@
 
 use super::cycle::{PHASES, Resonance, mesh_mode_at, running};
 use super::motions::energies;
-use super::{Loaded, NotSolved, has_loads, loaded, settled};
+use super::{LoadedState, LoadedStateError, has_loads, loaded, settled};
 use crate::experiment::configuration::Configuration;
 use crate::experiment::interruption;
 use crate::experiment::journal::JournalError;
@@ -29,7 +29,7 @@ const FEW_OVER_CYCLE: usize = 150;
 pub fn mesh_mode_of(
     label: &str,
     scene: &mut Scene,
-    found: Result<&Loaded, &NotSolved>,
+    found: Result<&LoadedState, &LoadedStateError>,
 ) -> MeshMode {
     let none = |message: String| MeshMode {
         label: label.to_owned(),
@@ -95,7 +95,7 @@ pub fn mesh_mode(
         Err(e) => return Some(none(e.to_string())),
     };
     let found = match scene.layout().n {
-        0 => Err(NotSolved::Matrices("nothing in it can move")),
+        0 => Err(LoadedStateError::Matrices("nothing in it can move")),
         n if n > FEW => {
             return Some(none(format!(
                 "not computed: {n} coordinates, more than {FEW}; `gearbench modes` permits more"

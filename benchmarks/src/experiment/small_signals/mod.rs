@@ -10,8 +10,9 @@
 //! | [`mesh_mode`] | the mode that strains the meshes most, and its damping |
 //! | [`motions`] | natural modes, their damping and energies |
 //! | [`response`] | frequency response to tooth meshing |
-//! | `space` | admissible motions and their modes |
+//! | `admissible_motions` | admissible motions and their modes |
 
+mod admissible_motions;
 mod choice;
 pub mod cycle;
 mod damping;
@@ -20,12 +21,11 @@ pub mod grounds;
 pub mod mesh_mode;
 pub mod motions;
 pub mod response;
-mod space;
 
-pub(crate) use choice::taken;
-pub use equilibrium::{Loaded, loaded};
+pub use admissible_motions::{AdmissibleMotions, Modes};
+pub(crate) use choice::selected_models;
+pub use equilibrium::{LoadedState, loaded};
 pub use mesh_mode::mesh_modes;
-pub use space::{Modes, Space};
 
 use gearbench_integrators::system::SecondOrderSystem;
 use gearbench_models::error::{BuildError, MeshPart};
@@ -38,7 +38,7 @@ pub const MOST: usize = 1500;
 
 /// Reason why a scene has no loaded state.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum NotSolved {
+pub enum LoadedStateError {
     /// The matrices of the scene do not allow a solution, for the given reason.
     #[error("{0}")]
     Matrices(&'static str),
@@ -133,8 +133,8 @@ pub fn assemble(
         );
     }
     let found = match scene.layout().n {
-        0 => Err(NotSolved::Matrices("nothing in it can move")),
-        n if n > MOST => Err(NotSolved::TooLarge(n)),
+        0 => Err(LoadedStateError::Matrices("nothing in it can move")),
+        n if n > MOST => Err(LoadedStateError::TooLarge(n)),
         _ => loaded(&mut scene, true),
     };
     match found {

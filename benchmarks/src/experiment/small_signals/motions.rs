@@ -1,6 +1,6 @@
 //! Natural modes of a scene about its loaded state: frequency, damping, and distribution of energy.
 
-use super::Loaded;
+use super::LoadedState;
 use super::damping::{Damped, damped};
 use gearbench_integrators::system::State;
 use gearbench_models::scene::{LinearisedScene, Scene, StrainIn};
@@ -23,7 +23,7 @@ pub struct Motion {
     pub x: Vec<f64>,
 }
 
-impl Loaded {
+impl LoadedState {
     /// Largest eigenvalue [rad^2/s^2].
     pub fn highest_square(&self) -> f64 {
         self.modes.squares.last().map_or(0.0, |x| x.abs())

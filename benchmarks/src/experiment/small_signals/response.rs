@@ -15,7 +15,7 @@
 //! `R` is that of the first phase.
 
 use super::cycle::{MeshCycle, MeshRow, Running};
-use super::{NotSolved, Space};
+use super::{AdmissibleMotions, LoadedStateError};
 use gearbench_models::scene::Scene;
 use nalgebra::{Complex, DMatrix, DVector};
 use std::f64::consts::TAU;
@@ -40,7 +40,7 @@ pub struct GroundForce {
 
 /// Response of one mesh at a mesh frequency.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct MeshAnswer {
+pub struct MeshVibration {
     /// Index of the mesh in the scene.
     pub mesh: usize,
     /// Transmission error without its mean over a mesh cycle [m].
@@ -51,17 +51,17 @@ pub struct MeshAnswer {
 
 /// Response of the scene at the mesh frequency of a group of meshes.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Answer {
+pub struct GroupVibration {
     /// Mesh frequency [Hz].
     pub frequency: f64,
     /// Responses of the meshes of the group.
-    pub meshes: Vec<MeshAnswer>,
+    pub meshes: Vec<MeshVibration>,
     /// Forces on the ground without their mean, two directions over a mesh cycle [N].
     pub grounds: Vec<[Vec<f64>; 2]>,
 }
 
 /// The scene without the meshes of a group, in modal coordinates.
-struct Rest {
+struct UnmeshedScene {
     squares: Vec<f64>,
     damping: DMatrix<f64>,
     /// True if dampers couple the modes.
@@ -76,7 +76,7 @@ struct Rest {
 pub struct Response<'a> {
     cycle: &'a MeshCycle,
     grounds: &'a [GroundForce],
-    rest: Rest,
+    rest: UnmeshedScene,
     /// Quasi-static compliance of teeth and modes of each mesh under its own force [m/N].
     slowly: Vec<f64>,
 }
@@ -87,12 +87,12 @@ fn row(x: &[f64]) -> DMatrix<f64> {
 
 /// Quasi-static compliance of teeth and modes under a unit force of their mesh that is balanced by loads on the hubs
 /// [m/N].
-fn slowly(
+fn quasi_static_compliance(
     scene: &Scene,
     running: &Running,
     mesh: usize,
     stiffness: &DMatrix<f64>,
-) -> Result<f64, NotSolved> {
+) -> Result<f64, LoadedStateError> {
     let row = &running.rows[mesh];
     let gears = scene.meshes()[mesh].gears.map(|i| &scene.gears()[i]);
     let own = gears.map(|g| g.range().start + g.model.hub().first()..g.range().end);
@@ -105,7 +105,7 @@ fn slowly(
     let between = own.iter().map(|i| row.flanks[*i] - row.hubs[*i]);
     let between = DVector::from_iterator(own.len(), between);
     let moved = block.lu().solve(&between);
-    let moved = moved.ok_or(NotSolved::Matrices(
+    let moved = moved.ok_or(LoadedStateError::Matrices(
         "internal coordinates have no stiffness",
     ))?;
     Ok(between.dot(&moved))
@@ -115,13 +115,13 @@ impl<'a> Response<'a> {
     /// Prepares the response to one mesh cycle of a scene in quasi-static motion.
     ///
     /// # Errors
-    /// [`NotSolved`] if the matrices do not allow a solution.
+    /// [`LoadedStateError`] if the matrices do not allow a solution.
     pub fn new(
         scene: &Scene,
         running: &Running,
         cycle: &'a MeshCycle,
         grounds: &'a [GroundForce],
-    ) -> Result<Self, NotSolved> {
+    ) -> Result<Self, LoadedStateError> {
         let linear = &running.start.linear;
         let (mut stiffness, mut damping) = (linear.stiffness.clone(), linear.damping.clone());
         let own = |m: &usize| &running.rows[*m];
@@ -133,10 +133,10 @@ impl<'a> Response<'a> {
         let slowly = cycle
             .meshes
             .iter()
-            .map(|m| slowly(scene, running, *m, &stiffness));
+            .map(|m| quasi_static_compliance(scene, running, *m, &stiffness));
         let slowly = slowly.collect::<Result<_, _>>()?;
-        let mut space = Space::new(&linear.mass)?;
-        space.hold(&scene.constraints());
+        let mut space = AdmissibleMotions::new(&linear.mass)?;
+        space.constrain(&scene.constraints());
         let modes = space.modes(&stiffness)?;
         let damping = modes
             .vectors
@@ -149,7 +149,7 @@ impl<'a> Response<'a> {
         let rows: Vec<&MeshRow> = cycle.meshes.iter().map(own).collect();
         Ok(Response {
             slowly,
-            rest: Rest {
+            rest: UnmeshedScene {
                 flanks: rows.iter().map(|r| on(&r.flanks)).collect(),
                 hubs: rows.iter().map(|r| on(&r.hubs)).collect(),
                 grounds: (grounds.iter())
@@ -175,7 +175,7 @@ impl<'a> Response<'a> {
     }
 
     /// Computes the response at a mesh frequency [Hz]; `None` if the harmonic balance has no solution.
-    pub fn at(&self, frequency: f64) -> Option<Answer> {
+    pub fn at(&self, frequency: f64) -> Option<GroupVibration> {
         let (p, meshes) = (self.phases(), self.cycle.meshes.len());
         let omega = TAU * frequency;
         let harmonics = (p - 1) / 2;
@@ -239,14 +239,14 @@ impl<'a> Response<'a> {
         let answered = (0..meshes).map(|a| {
             let phases = &self.cycle.phases[a];
             let mean = mean_of(phases, |x| x.force);
-            MeshAnswer {
+            MeshVibration {
                 mesh: self.cycle.meshes[a],
                 error: through(&|k| dot(&self.rest.hubs[a], &motion[k - 1])),
                 force: (0..p).map(|i| mean + solved[a * p + i]).collect(),
             }
         });
         let grounds = self.grounds.iter().zip(&self.rest.grounds);
-        Some(Answer {
+        Some(GroupVibration {
             frequency,
             meshes: answered.collect(),
             grounds: grounds
@@ -276,7 +276,7 @@ fn dot(row: &DVector<f64>, x: &DVector<C>) -> C {
     row.iter().zip(x).map(|(r, x)| x * *r).sum()
 }
 
-impl Rest {
+impl UnmeshedScene {
     /// Modal motions under unit forces of the meshes at an angular frequency [rad/s].
     fn answers(&self, omega: f64) -> Option<Vec<DVector<C>>> {
         let n = self.squares.len();

@@ -18,7 +18,7 @@
 //! the first one sets the status, as later ones are its consequences. Results of comparisons come last
 //! ([`against_contact`], [`judge`]).
 
-mod compared;
+mod accuracy;
 mod tunnelling;
 
 use super::history::History;
@@ -32,7 +32,7 @@ use gearbench_reports::numbers::short;
 use gearbench_reports::record::Status;
 use std::time::{Duration, Instant};
 
-pub use compared::{OWN_ERROR, against_contact, judge};
+pub use accuracy::{OWN_ERROR, against_contact, judge};
 pub use tunnelling::TunnellingDetector;
 
 /// Unexplained energy, relative to the largest energy, above which a run counts as growing.
@@ -148,7 +148,7 @@ impl RunMonitor {
         }
     }
 
-    fn look(&mut self, t: f64) -> Control {
+    fn check_energy(&mut self, t: f64) -> Control {
         // The energy of symplectic methods swings within each contact and comes back: growth is what stays.
         if self.ledger.growth() <= ENERGY_GROWTH {
             self.growth = None;
@@ -176,7 +176,7 @@ impl RunMonitor {
             pieces.close();
         }
         if self.stopped.is_none() {
-            let _ = self.look(end.t);
+            let _ = self.check_energy(end.t);
         }
         let found = self.findings(end.t);
         // A failure of the method that follows from what went wrong before is its consequence; a run that never got
@@ -318,7 +318,7 @@ impl Sink for RunMonitor {
         self.history.accepted(sys, step);
         self.ledger.accepted(sys, step);
         self.tunnelling.accepted(sys, step);
-        let control = self.look(step.to.t);
+        let control = self.check_energy(step.to.t);
         self.spent += begin.elapsed();
         control
     }

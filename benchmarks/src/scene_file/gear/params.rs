@@ -1,6 +1,6 @@
 //! Conversion of the keys of a toothing to the parameters of the geometry.
 
-use super::super::modifications::{by_side, end_reliefs};
+use super::super::modifications::{end_reliefs, per_side};
 use super::{GearKeys, RackKeys};
 use gearbench_models::geometry::{
     Deviations, GearParams, Internal, Modifications, RackParams, ReliefShape, TipRelief, Topography,
@@ -54,8 +54,8 @@ impl GearKeys {
                 profile_crowning: self.profile_crowning_m,
                 lead_crowning: self.lead_crowning_m,
                 end_relief: end_reliefs(self.end_relief.as_ref()),
-                helix_slope: by_side(self.helix_slope_m.as_ref()),
-                twist: by_side(self.twist_m.as_ref()),
+                helix_slope: per_side(self.helix_slope_m.as_ref()),
+                twist: per_side(self.twist_m.as_ref()),
                 topography,
             },
             deviations,

@@ -2,8 +2,8 @@
 
 use super::super::SceneKeys;
 use super::super::{
-    calibrated, contact, contact_points, deviations, gear, lateral, material, mesh, model,
-    modifications, profile, references, shaft, stiffness, study_plan,
+    calibration_choice, contact, contact_points, deviations, gear, material, mesh, model,
+    modifications, out_of_plane, profile, references, shaft, stiffness, study_plan,
 };
 use crate::studies::{check, precision, stability, sweep};
 
@@ -31,9 +31,9 @@ pub(crate) fn tables() -> impl Iterator<Item = &'static Table> {
         &gear::GearKeys::TABLE,
         &gear::RackKeys::TABLE,
         &gear::ReliefKeys::TABLE,
-        &lateral::BearingKeys::TABLE,
-        &lateral::DirectionKeys::TABLE,
-        &lateral::MisalignmentKeys::TABLE,
+        &out_of_plane::BearingKeys::TABLE,
+        &out_of_plane::DirectionKeys::TABLE,
+        &out_of_plane::MisalignmentKeys::TABLE,
         &modifications::EndReliefKeys::TABLE,
         &modifications::EndKeys::TABLE,
         &modifications::SideKeys::TABLE,
@@ -47,12 +47,12 @@ pub(crate) fn tables() -> impl Iterator<Item = &'static Table> {
         &shaft::StationKeys::TABLE,
         &shaft::SectionKeys::TABLE,
         &model::ModelKeys::TABLE,
-        &model::OfGearKeys::TABLE,
+        &model::GearModelKeys::TABLE,
         &references::ReferenceKeys::TABLE,
         &references::columns::ColumnKeys::TABLE,
         &references::columns::UnitKeys::TABLE,
         &references::conditions::GearConditionKeys::TABLE,
-        &calibrated::CalibrationKeys::TABLE,
+        &calibration_choice::CalibrationKeys::TABLE,
         &contact::ContactKeys::TABLE,
         &contact_points::PointKeys::TABLE,
         &contact::DamperKeys::TABLE,

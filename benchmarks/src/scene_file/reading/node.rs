@@ -113,7 +113,11 @@ impl<'d> Node<'d> {
             Flaw::Expected(what) => {
                 let is = if self.member { "holds" } else { "is" };
                 self.error(
-                    format!("`{}` {is} {}, expected {what}", self.key, found(self.value)),
+                    format!(
+                        "`{}` {is} {}, expected {what}",
+                        self.key,
+                        type_of_value(self.value)
+                    ),
                     format!("expected {what}"),
                     self.help(),
                 )
@@ -230,7 +234,7 @@ pub(super) fn finite(value: &DeValue<'_>) -> Option<f64> {
 }
 
 /// Describes a value by its type.
-fn found(value: &DeValue<'_>) -> String {
+fn type_of_value(value: &DeValue<'_>) -> String {
     match value {
         DeValue::String(s) => format!("the text \"{}\"", s.chars().take(40).collect::<String>()),
         DeValue::Integer(i) => format!("the number {i}"),

@@ -118,20 +118,20 @@ pub(crate) enum OneOrMany<T> {
 
 /// A table with user-defined names, in the order of the file.
 #[derive(Clone, Debug)]
-pub(crate) struct InOrder<T>(pub(crate) Vec<(String, T)>);
+pub(crate) struct OrderedTable<T>(pub(crate) Vec<(String, T)>);
 
-impl<T> Default for InOrder<T> {
+impl<T> Default for OrderedTable<T> {
     fn default() -> Self {
-        InOrder(Vec::new())
+        OrderedTable(Vec::new())
     }
 }
 
-impl<'de, T: Deserialize<'de>> Deserialize<'de> for InOrder<T> {
+impl<'de, T: Deserialize<'de>> Deserialize<'de> for OrderedTable<T> {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         struct Entries<T>(PhantomData<T>);
 
         impl<'de, T: Deserialize<'de>> Visitor<'de> for Entries<T> {
-            type Value = InOrder<T>;
+            type Value = OrderedTable<T>;
 
             fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
                 f.write_str("a table")
@@ -139,7 +139,7 @@ impl<'de, T: Deserialize<'de>> Deserialize<'de> for InOrder<T> {
 
             fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Self::Value, A::Error> {
                 let entries = std::iter::from_fn(|| map.next_entry().transpose());
-                entries.collect::<Result<_, _>>().map(InOrder)
+                entries.collect::<Result<_, _>>().map(OrderedTable)
             }
         }
         deserializer.deserialize_map(Entries(PhantomData))

@@ -4,7 +4,7 @@ use super::super::SceneError;
 use super::super::reading::Place;
 use super::super::reading::keys::keys;
 use super::super::reading::suggest::there_are;
-use super::super::reading::values::InOrder;
+use super::super::reading::values::OrderedTable;
 use super::subjects;
 use gearbench_models::spec::SceneSpec;
 use gearbench_reference::data::{Dimension, Quantity, factor};
@@ -19,13 +19,13 @@ keys! {
         /// column of the transmission error of the first mesh, or by mesh
         transmission_error: Option<OneOrNamed>,
         /// columns of speeds by gear: speed.pinion = "n1 [1/min]"
-        speed: Option<InOrder<String>>,
+        speed: Option<OrderedTable<String>>,
         /// columns of angles by gear
-        angle: Option<InOrder<String>>,
+        angle: Option<OrderedTable<String>>,
         /// columns of torques of the contact forces by gear
-        torque: Option<InOrder<String>>,
+        torque: Option<OrderedTable<String>>,
         /// columns of torques of held and driven mounts, by gear
-        mount_torque: Option<InOrder<String>>,
+        mount_torque: Option<OrderedTable<String>>,
     }
 
     pub(in super::super) struct UnitKeys {
@@ -52,11 +52,11 @@ pub(in super::super) enum OneOrNamed {
     #[serde(rename = "<text>")]
     One(String),
     #[serde(rename = "<table>")]
-    Named(InOrder<String>),
+    Named(OrderedTable<String>),
 }
 
-type Found = (Option<String>, Vec<(Quantity, String)>);
-type Kind = fn(usize) -> Quantity;
+type RecognisedColumns = (Option<String>, Vec<(Quantity, String)>);
+type QuantityOfGear = fn(usize) -> Quantity;
 
 /// Index of a mesh by its name: the names of both gears, joined.
 fn mesh_of(spec: &SceneSpec, name: &str) -> Option<usize> {
@@ -73,8 +73,8 @@ fn gear_of(spec: &SceneSpec, name: &str) -> Option<usize> {
 
 /// Reads entries by names; each is a quantity of its gear or mesh.
 fn by_name(
-    list: &InOrder<String>,
-    of: Kind,
+    list: &OrderedTable<String>,
+    of: QuantityOfGear,
     find: impl Fn(&str) -> Option<usize>,
     known: &[String],
     at: &Place<'_>,
@@ -105,12 +105,12 @@ pub(super) fn columns(
     keys: Option<&ColumnKeys>,
     spec: &SceneSpec,
     at: &Place<'_>,
-) -> Result<Found, SceneError> {
+) -> Result<RecognisedColumns, SceneError> {
     let Some(keys) = keys else {
-        return Ok(Found::default());
+        return Ok(RecognisedColumns::default());
     };
     let mut all = Vec::new();
-    let of_meshes: [(&str, &Option<OneOrNamed>, Kind); 2] = [
+    let of_meshes: [(&str, &Option<OneOrNamed>, QuantityOfGear); 2] = [
         ("force", &keys.force, Quantity::Force),
         (
             "transmission_error",
@@ -128,7 +128,7 @@ pub(super) fn columns(
             }
         }
     }
-    let of_gears: [(&str, &Option<InOrder<String>>, Kind); 4] = [
+    let of_gears: [(&str, &Option<OrderedTable<String>>, QuantityOfGear); 4] = [
         ("speed", &keys.speed, Quantity::Speed),
         ("angle", &keys.angle, Quantity::Angle),
         ("torque", &keys.torque, Quantity::Torque),
@@ -148,13 +148,13 @@ pub(super) fn units(
     keys: Option<&UnitKeys>,
     spec: &SceneSpec,
     at: &Place<'_>,
-) -> Result<Found, SceneError> {
+) -> Result<RecognisedColumns, SceneError> {
     let Some(keys) = keys else {
-        return Ok(Found::default());
+        return Ok(RecognisedColumns::default());
     };
     let subjects = subjects(spec);
     let mut all = Vec::new();
-    let of_meshes: [(&Option<String>, Kind); 2] = [
+    let of_meshes: [(&Option<String>, QuantityOfGear); 2] = [
         (&keys.force, Quantity::Force),
         (&keys.transmission_error, Quantity::TransmissionError),
     ];
@@ -164,7 +164,7 @@ pub(super) fn units(
             .flat_map(|u| (0..spec.meshes.len()).map(move |m| (of(m), u.clone())));
         all.extend(every);
     }
-    let of_gears: [(&str, &Option<OneOrNamed>, Kind); 4] = [
+    let of_gears: [(&str, &Option<OneOrNamed>, QuantityOfGear); 4] = [
         ("speed", &keys.speed, Quantity::Speed),
         ("angle", &keys.angle, Quantity::Angle),
         ("torque", &keys.torque, Quantity::Torque),

@@ -12,7 +12,7 @@ use super::super::reading::Place;
 use super::super::reading::keys::keys;
 use super::super::reading::suggest::there_are;
 use super::super::{SceneError, SceneFile};
-use super::{Beside, ReferenceKeys};
+use super::{ReferenceKeys, SceneParts};
 use gearbench_models::spec::{Body, Load, Mount, Profile, SceneSpec, layout_axes, mesh_layout};
 
 keys! {
@@ -57,7 +57,7 @@ pub struct ReferenceConditions {
 /// Reads and checks the conditions of a reference.
 pub(super) fn read(
     keys: &ReferenceKeys,
-    beside: &Beside<'_>,
+    beside: &SceneParts<'_>,
     at: &Place<'_>,
 ) -> Result<ReferenceConditions, SceneError> {
     let mut gears: Vec<ConditionsOfGear> = Vec::new();
@@ -111,14 +111,14 @@ pub(super) fn read(
 }
 
 /// Key with the error, message and help.
-pub type Trouble = (String, String, String);
+pub type ConditionError = (String, String, String);
 
 impl ReferenceConditions {
     /// Applies the conditions to a scene.
     ///
     /// # Errors
     /// The key that cannot be fulfilled, the reason and help.
-    pub fn apply(&self, spec: &mut SceneSpec) -> Result<(), Trouble> {
+    pub fn apply(&self, spec: &mut SceneSpec) -> Result<(), ConditionError> {
         for own in &self.gears {
             let Some(gear) = spec.gears.get_mut(own.gear) else {
                 continue;
@@ -301,7 +301,7 @@ impl SceneFile {
     ///
     /// # Errors
     /// As [`ReferenceConditions::apply`].
-    pub fn with(&self, conditions: &ReferenceConditions) -> Result<SceneFile, Trouble> {
+    pub fn with(&self, conditions: &ReferenceConditions) -> Result<SceneFile, ConditionError> {
         let mut other = self.clone();
         conditions.apply(&mut other.spec)?;
         other.duration = conditions.duration.unwrap_or(self.duration);

@@ -4,7 +4,7 @@
 //! |---|---|
 //! | `columns` | columns and units of a table by gear and mesh |
 //! | [`conditions`] | conditions that differ from the scene, and the scene under them |
-//! | [`held`] | data of references, and their stated conditions compared with the scene |
+//! | `loaded_reference` | data of references, and their stated conditions compared with the scene |
 //! | `stored` | a stored reference compared with the gears of the scene |
 //! | `table` | reading of tables, and the quantities of their columns |
 //!
@@ -13,18 +13,18 @@
 
 pub(super) mod columns;
 pub mod conditions;
-pub mod held;
+pub mod loaded_reference;
 mod stored;
 mod table;
 
 pub use conditions::{ConditionsOfGear, ReferenceConditions};
-pub use held::Held;
+pub use loaded_reference::LoadedReference;
 pub use table::subjects;
 
 use super::reading::Place;
 use super::reading::keys::keys;
 use super::reading::suggest::there_are;
-use super::reading::values::{InOrder, Positive, Share};
+use super::reading::values::{OrderedTable, Positive, Share};
 use super::{SceneError, SceneFile};
 use columns::{ColumnKeys, UnitKeys};
 use conditions::GearConditionKeys;
@@ -84,7 +84,7 @@ keys! {
         centre_distance_m: Option<Positive>,
         /// conditions that differ at gears: { pinion = { speed_rad_s = 40.0, torque_nm = 20.0 } }
         #[serde(default)]
-        gears: InOrder<GearConditionKeys>,
+        gears: OrderedTable<GearConditionKeys>,
     }
 }
 
@@ -195,7 +195,7 @@ impl NamedReference {
 }
 
 /// Parts of the scene that its references are checked against.
-pub(super) struct Beside<'a> {
+pub(super) struct SceneParts<'a> {
     pub spec: &'a SceneSpec,
     pub labels: &'a [&'a str],
     pub folder: Option<&'a Path>,
@@ -206,7 +206,7 @@ pub(super) struct Beside<'a> {
 pub(super) fn references(
     one: Option<ReferenceChoice>,
     several: Vec<ReferenceKeys>,
-    beside: &Beside<'_>,
+    beside: &SceneParts<'_>,
     root: &Place<'_>,
 ) -> Result<Vec<NamedReference>, SceneError> {
     let mut all: Vec<NamedReference> = Vec::new();
@@ -263,7 +263,7 @@ fn short(text: String) -> ReferenceKeys {
 
 fn named(
     keys: ReferenceKeys,
-    beside: &Beside<'_>,
+    beside: &SceneParts<'_>,
     at: &Place<'_>,
     path: String,
 ) -> Result<NamedReference, SceneError> {

@@ -3,7 +3,8 @@
 use super::super::SceneError;
 use super::super::reading::Place;
 use super::{
-    Beside, DecimalWord, DelimiterWord, ForceKindWord, ReferenceConditions, ReferenceKeys, columns,
+    DecimalWord, DelimiterWord, ForceKindWord, ReferenceConditions, ReferenceKeys, SceneParts,
+    columns,
 };
 use gearbench_models::spec::{Body, Mount, Profile, SceneSpec};
 use gearbench_reference::data::{
@@ -14,7 +15,7 @@ use gearbench_reference::data::{
 pub(super) fn request(
     keys: &ReferenceKeys,
     conditions: &ReferenceConditions,
-    beside: &Beside<'_>,
+    beside: &SceneParts<'_>,
     at: &Place<'_>,
 ) -> Result<Request, SceneError> {
     let end = conditions.duration.unwrap_or(beside.duration);

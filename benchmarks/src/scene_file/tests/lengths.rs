@@ -5,7 +5,7 @@ use super::{changed, parse, render};
 /// The base scene with a change: the help if it is refused, else its warnings.
 fn remarks(from: &str, to: &str) -> String {
     match parse(&changed(from, to)) {
-        Ok(scene) => scene.odd.iter().map(|odd| odd.told() + "\n").collect(),
+        Ok(scene) => scene.odd.iter().map(|odd| odd.to_text() + "\n").collect(),
         Err(e) => format!(
             "{}: {}",
             e.line().unwrap_or(0),

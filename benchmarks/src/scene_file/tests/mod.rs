@@ -5,7 +5,7 @@ mod contacts;
 mod lengths;
 mod modifications;
 mod motion;
-mod plausible;
+mod plausibility;
 mod precision;
 mod referenced;
 mod refusals;

@@ -12,7 +12,7 @@ fn read(text: &str) -> SceneFile {
 
 fn warnings(text: &str) -> Vec<String> {
     let scene = read(text);
-    scene.odd.iter().map(|odd| odd.told()).collect()
+    scene.odd.iter().map(|odd| odd.to_text()).collect()
 }
 
 /// Checks that there is exactly one warning, with all these words.

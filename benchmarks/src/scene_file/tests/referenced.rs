@@ -13,7 +13,7 @@ fn shipped_scenes_are_of_their_references() {
     let mut held = 0;
     for s in SHIPPED {
         let mut scene = load_unbuilt(s.name).unwrap();
-        let found = scene.held(false);
+        let found = scene.load_references(false);
         held += found.unwrap_or_else(|e| panic!("{}", render(&e))).len();
     }
     assert_eq!(held, 6);
@@ -38,7 +38,7 @@ fn a_helical_scene_is_of_its_own_reference_alone() {
         let other = format!("reference = \"calculix/{other}\"");
         let text = text.replace("reference = \"calculix/helical\"", &other);
         let mut scene = SceneFile::unbuilt("test.toml", &text, Origin::Shipped, true).unwrap();
-        let shown = render(&scene.held(false).unwrap_err());
+        let shown = render(&scene.load_references(false).unwrap_err());
         let shown = shown.split_whitespace().collect::<Vec<_>>().join(" ");
         assert!(shown.contains(word), "{shown}");
         assert!(shown.contains("calculix/helical"), "{shown}");
@@ -50,7 +50,7 @@ fn a_reference_of_other_gears_is_refused_with_both_values() {
     // The base scene has a torque that its reference has not, and another inertia.
     let own = "reference = \"calculix/case-a-fine\"";
     let mut scene = parse(super::BASE).unwrap();
-    let shown = render(&scene.held(false).unwrap_err());
+    let shown = render(&scene.load_references(false).unwrap_err());
     for word in [
         "test.toml:5:",
         "loads of `pinion` 1 (reference: none)",
@@ -62,7 +62,7 @@ fn a_reference_of_other_gears_is_refused_with_both_values() {
     let text = text.replace("teeth = 20", "teeth = 37");
     let text = text.replace("centre_distance_m = 0.1001", "backlash_m = 1e-4");
     let mut scene = parse(&text).unwrap();
-    let shown = render(&scene.held(false).unwrap_err());
+    let shown = render(&scene.load_references(false).unwrap_err());
     for word in [
         "teeth of `pinion` 37 (reference: 20)",
         "module of `pinion` 4 mm (reference: 2)",
@@ -73,7 +73,7 @@ fn a_reference_of_other_gears_is_refused_with_both_values() {
         assert!(shown.contains(word), "{word}\n{shown}");
     }
     // Who insists has it, and the scene says so.
-    let held = scene.held(true).unwrap();
+    let held = scene.load_references(true).unwrap();
     assert_eq!(held[0].named.stored(), Some("calculix/rack-pinion"));
     assert_eq!(held[0].data.id, "calculix");
     assert!(
@@ -81,7 +81,7 @@ fn a_reference_of_other_gears_is_refused_with_both_values() {
             .odd
             .last()
             .unwrap()
-            .told()
+            .to_text()
             .contains("belongs to other conditions")
     );
 }
@@ -128,7 +128,7 @@ fn a_table_is_a_reference() {
         let mut scene = scene.unwrap_or_else(|e| panic!("{}", render(&e)));
         assert_eq!(scene.tolerance.as_ref().unwrap().against, "press");
         let held = scene
-            .held(false)
+            .load_references(false)
             .unwrap_or_else(|e| panic!("{}", render(&e)));
         let data = &held[0].data;
         assert_eq!((data.id.as_str(), data.title.as_str()), ("press", "press"));
@@ -154,8 +154,11 @@ fn a_negative_force_is_warned_about() {
         let (_folder, scene) = beside("reference = \"press.csv\"", table);
         let mut scene = scene.unwrap_or_else(|e| panic!("{}", render(&e)));
         let before = scene.odd.len();
-        scene.held_of_the_scene(false).unwrap();
-        let odd: Vec<String> = scene.odd[before..].iter().map(SceneError::told).collect();
+        scene.load_own_references(false).unwrap();
+        let odd: Vec<String> = scene.odd[before..]
+            .iter()
+            .map(SceneError::to_text)
+            .collect();
         assert_eq!(odd.len(), usize::from(warned), "{odd:?}");
         if warned {
             assert!(odd[0].contains("\"press\" is negative"), "{odd:?}");
@@ -188,8 +191,8 @@ fn a_scene_stands_under_its_references() {
     assert_eq!(lines.len(), 5, "{lines:?}");
     assert!(lines.contains(&"gears.pinion.speed_rad_s = 60.0".to_owned()));
     // Models are held against the first alone; identification has both.
-    assert_eq!(scene.held_of_the_scene(false).unwrap().len(), 1);
-    assert_eq!(scene.held(false).unwrap().len(), 2);
+    assert_eq!(scene.load_own_references(false).unwrap().len(), 1);
+    assert_eq!(scene.load_references(false).unwrap().len(), 2);
 }
 
 /// Conditions that a table states must agree with the scene under the conditions of that reference.
@@ -198,7 +201,7 @@ fn stated_conditions_are_held_against_the_scene() {
     let stating = format!("# gears.pinion.speed_rad_s = 60\n# gears.wheel.teeth = 30\n{PRESS}");
     let (_folder, scene) = beside("reference = \"press.csv\"", &stating);
     let mut scene = scene.unwrap();
-    let shown = render(&scene.held(false).unwrap_err());
+    let shown = render(&scene.load_references(false).unwrap_err());
     for word in [
         "`gears.pinion.speed_rad_s` 20 (reference: 60)",
         "--any-reference",
@@ -206,10 +209,10 @@ fn stated_conditions_are_held_against_the_scene() {
         assert!(shown.contains(word), "{word}\n{shown}");
     }
     assert!(!shown.contains("teeth"), "{shown}");
-    assert_eq!(scene.held(true).unwrap().len(), 1);
+    assert_eq!(scene.load_references(true).unwrap().len(), 1);
     let under = "[[references]]\ncsv = \"press.csv\"\ngears.pinion.speed_rad_s = 60.0";
     let (_folder, scene) = beside(under, &stating);
-    assert_eq!(scene.unwrap().held(false).unwrap().len(), 1);
+    assert_eq!(scene.unwrap().load_references(false).unwrap().len(), 1);
 }
 
 /// Wrong keys of a reference are refused with their line and a help.
@@ -312,14 +315,14 @@ fn tables_that_are_none_are_refused_at_their_line() {
         ),
     ] {
         let (_folder, scene) = beside("reference = \"press.csv\"", table);
-        let shown = render(&scene.unwrap().held(false).unwrap_err());
+        let shown = render(&scene.unwrap().load_references(false).unwrap_err());
         for word in words.split('|') {
             assert!(shown.contains(word), "{word}\n{shown}");
         }
     }
     let (folder, scene) = beside("reference = \"press.csv\"", PRESS);
     std::fs::remove_file(folder.path().join("press.csv")).unwrap();
-    let shown = render(&scene.unwrap().held(false).unwrap_err());
+    let shown = render(&scene.unwrap().load_references(false).unwrap_err());
     assert!(
         shown.contains("test.toml:5") && shown.contains("press.csv"),
         "{shown}"

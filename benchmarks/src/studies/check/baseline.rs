@@ -4,18 +4,18 @@
 use crate::cli::files::write_whole;
 use crate::cli::terminal::Refusal;
 use gearbench_reference::files;
-use gearbench_reports::check::{Measured, Stored, Trend};
+use gearbench_reports::check::{MeasuredEntry, Stored, Trend};
 use serde::{Deserialize, Serialize};
 use std::io::ErrorKind;
 use std::path::Path;
 
 /// One line of a baseline file: a measured entry with the number, date and machine of its baseline.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-struct Line {
+struct BaselineLine {
     #[serde(flatten)]
     stored: Stored,
     #[serde(flatten)]
-    measured: Measured,
+    measured: MeasuredEntry,
 }
 
 /// Stored results of one run of a check, with which later runs are compared.
@@ -24,7 +24,7 @@ pub(super) struct Baseline {
     /// Number, time and machine of the baseline.
     pub(super) stored: Stored,
     /// Measured results of the baseline, one entry per case, model and integrator.
-    pub(super) entries: Vec<Measured>,
+    pub(super) entries: Vec<MeasuredEntry>,
 }
 
 /// All baselines of a file, the newest last.
@@ -68,7 +68,7 @@ impl Baselines {
             .enumerate()
             .filter(|(_, l)| !l.trim().is_empty())
         {
-            let Line { stored, measured } =
+            let BaselineLine { stored, measured } =
                 serde_json::from_str(line).map_err(|e| (i + 1, e.to_string()))?;
             match all.last_mut() {
                 Some(last) if last.stored.baseline == stored.baseline => {
@@ -96,7 +96,7 @@ impl Baselines {
     }
 
     /// Appends a baseline with the next number.
-    pub(super) fn add(&mut self, stored: Stored, entries: Vec<Measured>) {
+    pub(super) fn add(&mut self, stored: Stored, entries: Vec<MeasuredEntry>) {
         let baseline = self.newest().map_or(1, |b| b.stored.baseline + 1);
         self.0.push(Baseline {
             stored: Stored { baseline, ..stored },
@@ -113,7 +113,7 @@ impl Baselines {
         let mut text = String::new();
         for Baseline { stored, entries } in &self.0 {
             for measured in entries {
-                let line = Line {
+                let line = BaselineLine {
                     stored: stored.clone(),
                     measured: measured.clone(),
                 };
@@ -125,8 +125,8 @@ impl Baselines {
     }
 
     /// Returns the history of a quantity for every entry over the baselines, with the present run last.
-    pub(super) fn history(&self, quantity: &str, now: &[Measured]) -> Vec<Trend> {
-        let value = |m: &Measured| match quantity {
+    pub(super) fn history(&self, quantity: &str, now: &[MeasuredEntry]) -> Vec<Trend> {
+        let value = |m: &MeasuredEntry| match quantity {
             "runtime" => m.runtime,
             key => (m.metrics.get(key).copied()).or_else(|| Some(*m.work.get(key)? as f64)),
         };
@@ -166,15 +166,15 @@ impl Baselines {
 mod tests {
     use super::*;
 
-    fn measured(peak: f64) -> Measured {
-        Measured {
+    fn measured(peak: f64) -> MeasuredEntry {
+        MeasuredEntry {
             case: "a".into(),
             model: "rigid".into(),
             method: "rk4@1e-6".into(),
             metrics: [("peak_force_n".to_owned(), peak)].into(),
             work: [("steps".to_owned(), 160)].into(),
             runtime: Some(0.1),
-            ..Measured::default()
+            ..MeasuredEntry::default()
         }
     }
 

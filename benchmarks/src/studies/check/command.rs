@@ -2,20 +2,20 @@
 
 use super::arguments::Check;
 use super::baseline::{Baseline, Baselines};
+use super::comparison::{LIKELY, gone, judge, middle, program, slow_limit};
 use super::file::{Case, CheckFile};
-use super::judge::{LIKELY, gone, judge, middle, program, slow_from};
-use super::measure::{Entry, Group, Loaded, load};
+use super::measure::{Entry, Group, LoadedCase, load};
 use super::summary::summarise;
-use crate::cli::answer::Answer;
 use crate::cli::arguments::Output;
+use crate::cli::command_result::CommandResult;
 use crate::cli::exit::Exit;
 use crate::cli::study_folder::StudyFolder;
-use crate::cli::terminal::{Refusal, absolute, refuse_run, say};
+use crate::cli::terminal::{Refusal, absolute, print_line, refuse_run};
 use crate::experiment::interruption;
 use crate::experiment::machine;
 use crate::experiment::run::RunError;
 use crate::experiment::runner::Runner;
-use gearbench_reports::check::{CheckRecord, Checked, Measured, Stored};
+use gearbench_reports::check::{CheckRecord, CheckedEntry, MeasuredEntry, Stored};
 use gearbench_reports::record::{Part, Results, Status};
 use std::path::Path;
 
@@ -29,7 +29,7 @@ const NEAR_PASSES: usize = 8;
 const NEAR: f64 = 0.05;
 
 /// Runs the check and writes its folder.
-pub fn run(args: &Check, command: &str) -> Result<Answer, Refusal> {
+pub fn run(args: &Check, command: &str) -> Result<CommandResult, Refusal> {
     let file = CheckFile::read(&args.file)?;
     let before = Baselines::read(&file.baseline)?;
     let mut baselines = before.clone();
@@ -77,11 +77,11 @@ pub fn run(args: &Check, command: &str) -> Result<Answer, Refusal> {
     let loaded = loaded.collect::<Result<Vec<_>, _>>()?;
     let mut folder = StudyFolder::open(&args.output, &name, "check")?;
     let newest = baselines.newest().cloned().unwrap_or_default();
-    let total = loaded.iter().map(Loaded::len).sum();
+    let total = loaded.iter().map(LoadedCase::len).sum();
     let made = folder.run(total, |runner| -> Result<_, RunError> {
         let mut groups = measure(&loaded, (runner, total))?;
         if !(args.no_runtime || interruption::requested()) {
-            let doubt = Doubt {
+            let doubt = RepeatRule {
                 newest: &newest,
                 update: args.update,
                 all: file.runtime.all,
@@ -98,13 +98,13 @@ pub fn run(args: &Check, command: &str) -> Result<Answer, Refusal> {
     entries.retain(|e| e.measured.status != Status::Interrupted);
     let here = machine::machine();
     let same = here.cpu == newest.stored.cpu;
-    let mut checked: Vec<Checked> = Vec::new();
+    let mut checked: Vec<CheckedEntry> = Vec::new();
     for entry in &entries {
         let (now, rules) = (entry.measured.clone(), &entry.case.rules);
         let before = newest.entries.iter().find(|b| b.is(&now));
         checked.push(judge(now, before, rules, same));
     }
-    let now: Vec<Measured> = checked.iter().map(|c| c.measured.clone()).collect();
+    let now: Vec<MeasuredEntry> = checked.iter().map(|c| c.measured.clone()).collect();
     let left = left_out(&newest, &file, &cases, &now);
     if !stopped {
         // Of some of the entries nothing can be said of the program, nor of what is absent.
@@ -147,7 +147,7 @@ pub fn run(args: &Check, command: &str) -> Result<Answer, Refusal> {
     };
     let answer = folder.finish(results(record.clone()), |_| exit, |_| summarise(&record))?;
     if update {
-        say(&match &stored {
+        print_line(&match &stored {
             Some(path) => format!("stored: {}", path.display()),
             None => "no value has moved: the baseline is unchanged".into(),
         });
@@ -159,7 +159,7 @@ pub fn run(args: &Check, command: &str) -> Result<Answer, Refusal> {
 }
 
 fn measure<'l>(
-    loaded: &'l [Loaded<'l>],
+    loaded: &'l [LoadedCase<'l>],
     (runner, total): (&Runner<'_>, usize),
 ) -> Result<Vec<Group<'l>>, RunError> {
     let mut all = Vec::new();
@@ -172,10 +172,14 @@ fn measure<'l>(
 }
 
 /// Measures runtimes: of all entries once, and of those that leave doubt at other moments again.
-fn time(groups: &mut [Group<'_>], doubt: &Doubt<'_>, runner: &Runner<'_>) -> Result<(), RunError> {
+fn time(
+    groups: &mut [Group<'_>],
+    doubt: &RepeatRule<'_>,
+    runner: &Runner<'_>,
+) -> Result<(), RunError> {
     let total = groups.iter().map(|g| g.entries.len()).sum();
     for pass in 0..NEAR_PASSES {
-        let together = doubt.of_all(groups, pass);
+        let together = doubt.repeats_all(groups, pass);
         let mut done = 0;
         for group in &mut *groups {
             for i in 0..group.entries.len() {
@@ -185,7 +189,7 @@ fn time(groups: &mut [Group<'_>], doubt: &Doubt<'_>, runner: &Runner<'_>) -> Res
                 let entry = &group.entries[i];
                 if pass == 0 || together || doubt.of(entry, pass) {
                     let what = format!("runtime of {}", entry.measured.name());
-                    runner.tell(done, total, &what);
+                    runner.report_progress(done, total, &what);
                     group.time(i)?;
                 }
                 done += 1;
@@ -197,7 +201,7 @@ fn time(groups: &mut [Group<'_>], doubt: &Doubt<'_>, runner: &Runner<'_>) -> Res
 
 /// Rule for the runtimes that must be measured again: slow or almost slow ones, and later those so near the limit that
 /// either verdict would be chance.
-struct Doubt<'a> {
+struct RepeatRule<'a> {
     newest: &'a Baseline,
     /// True if the results become a new baseline: every entry is then timed as often as a slow one.
     update: bool,
@@ -205,8 +209,8 @@ struct Doubt<'a> {
     all: f64,
 }
 
-impl Doubt<'_> {
-    fn baseline(&self, entry: &Entry<'_>) -> Option<&Measured> {
+impl RepeatRule<'_> {
+    fn baseline(&self, entry: &Entry<'_>) -> Option<&MeasuredEntry> {
         self.newest.entries.iter().find(|b| b.is(&entry.measured))
     }
 
@@ -220,13 +224,13 @@ impl Doubt<'_> {
 
     /// True if the runtime of a single entry must be measured again.
     fn of(&self, entry: &Entry<'_>, pass: usize) -> bool {
-        let from = slow_from(self.baseline(entry), &entry.case.rules);
+        let from = slow_limit(self.baseline(entry), &entry.case.rules);
         let part = (entry.measured.runtime.zip(from)).map(|(now, from)| now / from);
         (self.update && pass < PASSES) || part.is_some_and(|part| Self::about(part, pass))
     }
 
     /// True if the median of all runtimes must be measured again.
-    fn of_all(&self, groups: &[Group<'_>], pass: usize) -> bool {
+    fn repeats_all(&self, groups: &[Group<'_>], pass: usize) -> bool {
         let entries = groups.iter().flat_map(|g| &g.entries);
         let ratio = |e: &Entry<'_>| Some(e.measured.runtime? / self.baseline(e)?.runtime?);
         let ratios: Vec<f64> = entries.filter_map(ratio).collect();
@@ -235,22 +239,27 @@ impl Doubt<'_> {
 }
 
 /// Entries of a baseline that were not run.
-struct LeftOut {
+struct SkippedEntries {
     /// Entries whose case was not selected.
-    kept: Vec<Measured>,
+    kept: Vec<MeasuredEntry>,
     /// The check does not have them any more.
-    gone: Vec<Measured>,
+    gone: Vec<MeasuredEntry>,
 }
 
-fn left_out(newest: &Baseline, file: &CheckFile, cases: &[&Case], now: &[Measured]) -> LeftOut {
+fn left_out(
+    newest: &Baseline,
+    file: &CheckFile,
+    cases: &[&Case],
+    now: &[MeasuredEntry],
+) -> SkippedEntries {
     let missing = newest
         .entries
         .iter()
         .filter(|b| !now.iter().any(|n| n.is(b)));
-    let asked = |b: &&Measured| {
+    let asked = |b: &&MeasuredEntry| {
         let known = file.cases.iter().any(|c| c.name == b.case);
         !known || cases.iter().any(|c| c.name == b.case)
     };
     let (gone, kept) = missing.cloned().partition(|b| asked(&b));
-    LeftOut { kept, gone }
+    SkippedEntries { kept, gone }
 }

@@ -3,7 +3,7 @@
 use super::quantity::{Quantity, USUAL};
 use crate::scene_file::SceneError;
 use crate::scene_file::reading::keys::keys;
-use crate::scene_file::reading::values::{Factor, InOrder, NotNegative, Positive};
+use crate::scene_file::reading::values::{Factor, NotNegative, OrderedTable, Positive};
 use crate::scene_file::reading::{Document, Place};
 use gearbench_reference::file_kind::{self, Input};
 use gearbench_reference::files;
@@ -21,13 +21,13 @@ keys! {
         baseline: Option<String>,
         /// counts of work (steps, Newton iterations, ...), "exact" (default) or "report"
         #[serde(default)]
-        work: Work,
+        work: WorkRule,
         /// runtime in units of the kernel, { factor, all, gate }
         #[serde(default)]
         runtime: RuntimeKeys,
         /// tolerated differences of quantities, by key: tolerances.peak_force_n = { relative, absolute, most }
         #[serde(default)]
-        tolerances: InOrder<DifferenceKeys>,
+        tolerances: OrderedTable<DifferenceKeys>,
         /// tables [[cases]]
         cases: Vec<CaseKeys>,
     }
@@ -65,7 +65,7 @@ keys! {
         metrics: Option<Vec<String>>,
         /// as above, for this case
         #[serde(default)]
-        tolerances: InOrder<DifferenceKeys>,
+        tolerances: OrderedTable<DifferenceKeys>,
         /// left out by --quick
         #[serde(default)]
         slow: bool,
@@ -92,7 +92,7 @@ impl TryFrom<u32> for CheckSchema {
 /// Rule for a work count (steps, force evaluations) that differs from the baseline.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub(super) enum Work {
+pub(super) enum WorkRule {
     /// The difference fails the check.
     #[default]
     Exact,
@@ -135,7 +135,7 @@ pub(super) struct Runtime {
 /// Acceptance rules for the entries of a case: work counts, runtimes and tolerances.
 #[derive(Clone, Debug)]
 pub(super) struct Rules {
-    pub(super) work: Work,
+    pub(super) work: WorkRule,
     pub(super) runtime: Runtime,
     tolerances: Vec<(Quantity, DifferenceKeys)>,
 }
@@ -343,7 +343,7 @@ fn case(
 }
 
 fn tolerances(
-    keys: InOrder<DifferenceKeys>,
+    keys: OrderedTable<DifferenceKeys>,
     at: &Place<'_>,
 ) -> Result<Vec<(Quantity, DifferenceKeys)>, SceneError> {
     let all = keys.0.into_iter();
@@ -375,7 +375,7 @@ pub(super) mod tests_support {
     pub(in super::super) fn rules(line: &str) -> Rules {
         let text = format!("schema = 1\n{line}\n[[cases]]\nscene = \"spur_impact\"\n");
         let file = CheckFile::parse(Path::new("check.toml"), &text);
-        file.unwrap_or_else(|e| panic!("{}", e.told())).cases[0]
+        file.unwrap_or_else(|e| panic!("{}", e.to_text())).cases[0]
             .rules
             .clone()
     }

@@ -3,25 +3,25 @@
 use super::file::{Case, CheckFile};
 use super::kernel;
 use super::quantity::values;
-use crate::cli::arguments::Insist;
+use crate::cli::arguments::AnyReference;
 use crate::cli::terminal::{Refusal, references_of};
 use crate::experiment::conditions::Conditions;
 use crate::experiment::configuration::Configuration;
 use crate::experiment::key::Key;
-use crate::experiment::referenced::recorded;
+use crate::experiment::reference_series::recorded;
 use crate::experiment::run::{Job, RunError, bare, run_in};
 use crate::experiment::runner::Runner;
 use crate::experiment::small_signals::assemble;
 use crate::scene_file::{self, Selection};
 use gearbench_integrators::{Resolution, Scheme};
 use gearbench_models::scene::Scene;
-use gearbench_reports::check::Measured;
+use gearbench_reports::check::MeasuredEntry;
 use gearbench_reports::record::{ReferenceSeries, Run};
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 
 /// Case with its scene, models, integrators and references.
-pub(super) struct Loaded<'a> {
+pub(super) struct LoadedCase<'a> {
     pub(super) case: &'a Case,
     conditions: Conditions<'static>,
     configurations: Vec<Configuration>,
@@ -33,10 +33,10 @@ pub(super) struct Loaded<'a> {
 ///
 /// # Errors
 /// Errors of the scene, and of the settings of the case.
-pub(super) fn load<'a>(file: &CheckFile, case: &'a Case) -> Result<Loaded<'a>, Refusal> {
+pub(super) fn load<'a>(file: &CheckFile, case: &'a Case) -> Result<LoadedCase<'a>, Refusal> {
     let labels = case.models.as_deref();
     let mut scene = scene_file::load_for(&case.scene, Selection::Labels(labels))?;
-    let references = references_of(&mut scene, &Insist::default())?;
+    let references = references_of(&mut scene, &AnyReference::default())?;
     let choices = scene.select(labels)?;
     // A model that cannot run is an entry as well: what is not measured has not passed.
     let refused = scene.refused.iter().filter_map(|r| scene.model(&r.label));
@@ -56,11 +56,11 @@ pub(super) fn load<'a>(file: &CheckFile, case: &'a Case) -> Result<Loaded<'a>, R
         scene.check_steps(&methods)?;
         configurations.iter_mut().for_each(|c| c.methods = None);
     }
-    Ok(Loaded {
+    Ok(LoadedCase {
         case,
         conditions: Conditions {
             events: scene.study.events,
-            ..Conditions::of(&scene).held_against(&references)
+            ..Conditions::of(&scene).compared_with(&references)
         },
         configurations,
         methods,
@@ -94,7 +94,7 @@ fn work(run: &Run) -> BTreeMap<String, u64> {
     .into()
 }
 
-impl Loaded<'_> {
+impl LoadedCase<'_> {
     /// Returns the number of runs, one for each model and integrator of the case.
     pub(super) fn len(&self) -> usize {
         self.configurations
@@ -127,21 +127,21 @@ impl Loaded<'_> {
                 entries: Vec::new(),
             };
             for method in self.methods_of(configuration) {
-                let found = Measured {
+                let found = MeasuredEntry {
                     case: self.case.name.clone(),
                     scene: self.conditions.name.clone(),
                     model: configuration.label.clone(),
                     method: written(method),
-                    ..Measured::default()
+                    ..MeasuredEntry::default()
                 };
-                runner.tell(done, total, &found.name());
+                runner.report_progress(done, total, &found.name());
                 done += 1;
                 let job = self.job(configuration, method, &grid);
                 let names = (&found.case, &found.model);
                 let key = (Key::new("check").and(&job.key()))
                     .and(&(&ids, &self.case.metrics))
                     .and(&names);
-                let not_made = |status, message| Measured {
+                let not_made = |status, message| MeasuredEntry {
                     status,
                     message: Some(message),
                     ..found.clone()
@@ -169,9 +169,9 @@ impl Loaded<'_> {
     }
 
     /// Returns the results of a run that a check compares: quantities, work counts, status and parameters.
-    fn measured(&self, named: Measured, run: Run) -> Measured {
+    fn measured(&self, named: MeasuredEntry, run: Run) -> MeasuredEntry {
         let failed = run.status.is_failure();
-        Measured {
+        MeasuredEntry {
             metrics: values(&run, &self.case.metrics, &self.references),
             work: work(&run),
             status: run.status,
@@ -212,7 +212,7 @@ fn built<'s>(
 
 /// Entries of a model, whose scene is built once for all of their runs and timings.
 pub(super) struct Group<'l> {
-    of: &'l Loaded<'l>,
+    of: &'l LoadedCase<'l>,
     configuration: &'l Configuration,
     built: Option<(Scene, Duration)>,
     pub(super) entries: Vec<Entry<'l>>,
@@ -223,7 +223,7 @@ pub(super) struct Entry<'l> {
     /// Case of the check file that the entry belongs to.
     pub(super) case: &'l Case,
     method: Scheme,
-    pub(super) measured: Measured,
+    pub(super) measured: MeasuredEntry,
     /// Times over those of the kernel, the median at each moment.
     moments: Vec<f64>,
 }

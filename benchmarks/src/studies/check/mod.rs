@@ -8,14 +8,14 @@
 //! | `baseline` | stored baselines, one line for each entry |
 //! | `measure` | runs of the cases |
 //! | `kernel` | runtime in units of a fixed kernel |
-//! | `judge` | comparison of entries with their baselines, and of the runtimes of all entries |
+//! | `comparison` | comparison of entries with their baselines, and of the runtimes of all entries |
 //! | [`command`], `summary` | the study, and its terminal summary |
 
 pub mod arguments;
 mod baseline;
 pub mod command;
+mod comparison;
 pub(crate) mod file;
-mod judge;
 mod kernel;
 mod measure;
 mod quantity;

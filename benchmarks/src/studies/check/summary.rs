@@ -1,6 +1,6 @@
 //! Terminal summary of a record of `check`.
 
-use crate::cli::terminal::say;
+use crate::cli::terminal::print_line;
 use gearbench_reports::check::{CheckRecord, Finding, Kind};
 
 /// Lines of an entry, most.
@@ -16,18 +16,18 @@ pub(super) fn summarise(record: &CheckRecord) {
         if moved.is_empty() && reported.iter().all(|f| f.kind == Kind::Parameter) {
             continue;
         }
-        say(&entry.measured.name());
-        tell("moved", &moved);
-        tell("noted", &reported);
+        print_line(&entry.measured.name());
+        print_findings("moved", &moved);
+        print_findings("noted", &reported);
     }
-    say(&format!("check: {}", record.verdict()));
+    print_line(&format!("check: {}", record.verdict()));
 }
 
-fn tell(word: &str, findings: &[&Finding]) {
+fn print_findings(word: &str, findings: &[&Finding]) {
     for f in findings.iter().take(MOST) {
-        say(&format!("  {word}  {}", f.told()));
+        print_line(&format!("  {word}  {}", f.to_text()));
     }
     if findings.len() > MOST {
-        say(&format!("  and {} more", findings.len() - MOST));
+        print_line(&format!("  and {} more", findings.len() - MOST));
     }
 }

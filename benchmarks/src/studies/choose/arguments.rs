@@ -1,6 +1,6 @@
 //! Arguments of `choose`.
 
-use crate::cli::arguments::{Bounded, Budgeted};
+use crate::cli::arguments::{BoundedOutput, BudgetedOutput};
 use crate::cli::values::{metric, number};
 use clap::Args;
 use gearbench_reports::Metric;
@@ -47,10 +47,10 @@ pub struct Choose {
     pub runs: u64,
     /// Where results go, and how long a run may take.
     #[command(flatten)]
-    pub run: Bounded,
+    pub run: BoundedOutput,
     /// How long the whole study may take.
     #[command(flatten)]
-    pub budget: Budgeted,
+    pub budget: BudgetedOutput,
 }
 
 /// A metric that one model can be held against another in.

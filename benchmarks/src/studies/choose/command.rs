@@ -1,39 +1,39 @@
 //! Implements `gearbench choose SCENE`: selects the cheapest model and integrator within an error tolerance.
 
 use super::arguments::Choose;
-use super::held::Subject;
 use super::plan::Candidate;
 use super::problem::Problem;
-use super::reason::{per_cent, seconds};
+use super::reasons::{per_cent, seconds};
+use super::reference_comparison::ComparedModel;
 use super::requirement::Requirement;
 use super::run::{Choice, ChooseError, choose};
 use super::summary::summarise;
-use super::{chosen, held, record};
-use crate::cli::answer::Answer;
-use crate::cli::arguments::Insist;
+use super::{chosen_scene, record, reference_comparison};
+use crate::cli::arguments::AnyReference;
+use crate::cli::command_result::CommandResult;
 use crate::cli::exit::Exit;
 use crate::cli::files::write_whole;
 use crate::cli::progress::Display;
 use crate::cli::study_folder::StudyFolder;
-use crate::cli::terminal::{Refusal, absolute, all_references_of, refuse_run, say, warn};
+use crate::cli::terminal::{Refusal, absolute, all_references_of, print_line, refuse_run, warn};
 use crate::experiment::conditions::silent;
 use crate::experiment::configuration::Configuration;
 use crate::experiment::interruption;
 use crate::experiment::run::RunError;
 use crate::experiment::small_signals::mesh_modes;
 use crate::models::models;
-use crate::scene_file::references::Held;
+use crate::scene_file::references::LoadedReference;
 use crate::scene_file::{self, SceneFile};
 use gearbench_reports::record::MeshMode;
 use gearbench_reports::{Part, ReferenceDistance, Study, Verdict};
 use std::sync::Arc;
 
 /// Runs the study and writes its folder.
-pub fn run(args: &Choose, command: &str) -> Result<Answer, Refusal> {
+pub fn run(args: &Choose, command: &str) -> Result<CommandResult, Refusal> {
     // Models are built when they are tried: many a scene has full finite elements beside.
     let mut scene = scene_file::load_for(&args.scene, scene_file::Selection::None)?;
     let references = match args.references {
-        true => all_references_of(&mut scene, &Insist::default())?,
+        true => all_references_of(&mut scene, &AnyReference::default())?,
         false => references_of_the_scene(&mut scene),
     };
     if args.references && references.is_empty() {
@@ -70,7 +70,7 @@ pub fn run(args: &Choose, command: &str) -> Result<Answer, Refusal> {
     match &choice.candidate {
         Some(candidate) => {
             let remarks = remarks(&choice, &requirement, command);
-            let text = chosen::text(&scene, candidate, &remarks)?;
+            let text = chosen_scene::text(&scene, candidate, &remarks)?;
             write_whole(&file, text).map_err(io)?;
         }
         // One of an earlier start is no answer to this question.
@@ -90,12 +90,12 @@ pub fn run(args: &Choose, command: &str) -> Result<Answer, Refusal> {
             if let Part::Choose(part) = &results.part {
                 summarise(&part.choice, &choice);
             }
-            (settings.iter()).for_each(|(what, found)| say(&format!("{what}: {found}")));
+            (settings.iter()).for_each(|(what, found)| print_line(&format!("{what}: {found}")));
         },
     )?;
     if choice.candidate.is_some() {
         let path = absolute(file);
-        say(&format!("scene:  {}", path.display()));
+        print_line(&format!("scene:  {}", path.display()));
         Ok(answer.with("scene", path))
     } else {
         Ok(answer)
@@ -125,10 +125,10 @@ fn damping_of(
 
 /// Returns the references under the scene's own conditions, with which the yardstick is compared. If they cannot be
 /// read the result is empty, with a warning: the choice does not need them.
-fn references_of_the_scene(scene: &mut SceneFile) -> Vec<Held> {
-    match scene.held(false) {
+fn references_of_the_scene(scene: &mut SceneFile) -> Vec<LoadedReference> {
+    match scene.load_references(false) {
         Ok(all) => {
-            let own = |r: &Held| r.named.is_of_the_scene();
+            let own = |r: &LoadedReference| r.named.is_of_the_scene();
             all.into_iter().filter(own).collect()
         }
         Err(e) => {
@@ -144,7 +144,7 @@ fn references_of_the_scene(scene: &mut SceneFile) -> Vec<Held> {
 /// reference is withdrawn. Otherwise the yardstick is run for them only where the window is the whole scene.
 fn compare_with(
     choice: &mut Choice,
-    references: &[Held],
+    references: &[LoadedReference],
     requirement: &Requirement,
     asked: bool,
 ) -> Result<Vec<(String, String)>, Refusal> {
@@ -152,9 +152,10 @@ fn compare_with(
         return Ok(Vec::new());
     }
     let against = |subject, candidate: &Candidate| {
-        held::against((subject, candidate), references, requirement).map_err(refuse_run)
+        reference_comparison::against((subject, candidate), references, requirement)
+            .map_err(refuse_run)
     };
-    let mut found = against(Subject::Yardstick, &choice.yardstick)?;
+    let mut found = against(ComparedModel::Yardstick, &choice.yardstick)?;
     choice.references = (found.distances.drain(..))
         .map(|(reference, yardstick)| ReferenceDistance {
             reference,
@@ -175,7 +176,7 @@ fn compare_with(
     let Some(candidate) = choice.candidate.as_ref().filter(|_| asked) else {
         return Ok(found.settings);
     };
-    let of_choice = against(Subject::Choice, candidate)?;
+    let of_choice = against(ComparedModel::Choice, candidate)?;
     for (r, (_, distance)) in choice.references.iter_mut().zip(of_choice.distances) {
         r.choice = distance;
     }

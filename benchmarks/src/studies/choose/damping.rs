@@ -30,23 +30,23 @@ const HUB: usize = 6;
 
 /// Damping of the mesh mode of elastic gears.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct OfMesh {
+pub struct MeshModeDamping {
     /// Damping ratio of the mesh mode [-].
     pub ratio: f64,
     /// Relaxation time of a damper in parallel to a spring that alone gives this ratio, `2 ratio / omega` [s].
     pub relaxation: f64,
 }
 
-impl OfMesh {
+impl MeshModeDamping {
     /// Computes the damping of the mesh mode of the elastic gears that serve as yardstick; `None` in a scene without
     /// loads, and where they have no such mode.
-    pub fn of(problem: &Problem, details: &Details) -> Option<OfMesh> {
+    pub fn of(problem: &Problem, details: &Details) -> Option<MeshModeDamping> {
         let gears = problem.scene.gears.len();
         let modes = MODES.min((FEW / gears).saturating_sub(HUB));
         let judge = elastic(details.judge(), modes, None);
         let mode = mesh_mode("", (&problem.scene, &judge), problem.models, 0)?;
         let (frequency, ratio) = (mode.frequency_hz?, mode.damping_ratio?);
-        Some(OfMesh {
+        Some(MeshModeDamping {
             ratio,
             relaxation: 2.0 * ratio / (TAU * frequency),
         })

@@ -17,7 +17,7 @@
 //! be refined.
 
 use super::plan::elastic;
-use super::problem::{Flexible, Problem};
+use super::problem::{ElasticSettings, Problem};
 use crate::experiment::budget::ProcessorClock;
 use gearbench_models::law::Damping;
 use gearbench_models::scene::Scene;
@@ -68,11 +68,11 @@ impl Detail {
 pub struct Details {
     /// Elastic gears on which modes are refined: half-spaces on the mesh of the scene, else mesh and contact of the
     /// scene.
-    pub lead: Flexible,
+    pub lead: ElasticSettings,
     /// Reason why flanks do not touch on half-spaces; `None` if they do.
     pub no_half_spaces: Option<String>,
     /// Elastic gears with a finer mesh, or the reason why there is none.
-    pub finer: Result<Flexible, String>,
+    pub finer: Result<ElasticSettings, String>,
     /// Processor time of the first set-up of the gears of the lead and of the finer mesh, caches as they were [s].
     setup_s: [f64; 2],
 }
@@ -88,12 +88,12 @@ impl Details {
             Ok(None) => (given.clone(), None),
             Err(why) => (given.clone(), Some(why)),
         };
-        Details::led_by((problem, modes), lead, no_half_spaces, begin)
+        Details::from_lead((problem, modes), lead, no_half_spaces, begin)
     }
 
     /// Returns the details with the contact of the scene in place of half-spaces, for the reason `why`.
     pub fn as_given(problem: &Problem, why: String) -> Details {
-        Details::led_by(
+        Details::from_lead(
             (problem, 0),
             problem.flexible.clone(),
             Some(why),
@@ -101,9 +101,9 @@ impl Details {
         )
     }
 
-    fn led_by(
+    fn from_lead(
         (problem, modes): (&Problem, usize),
-        lead: Flexible,
+        lead: ElasticSettings,
         no_half_spaces: Option<String>,
         begin: ProcessorClock,
     ) -> Details {
@@ -134,12 +134,12 @@ impl Details {
     }
 
     /// Returns the elastic gears that all models are compared with: the finer mesh, else the lead.
-    pub fn judge(&self) -> &Flexible {
+    pub fn judge(&self) -> &ElasticSettings {
         self.finer.as_ref().unwrap_or(&self.lead)
     }
 
     /// Returns the elastic gears (elements and contact) of a detail.
-    pub fn flexible<'a>(&'a self, problem: &'a Problem, detail: Detail) -> &'a Flexible {
+    pub fn flexible<'a>(&'a self, problem: &'a Problem, detail: Detail) -> &'a ElasticSettings {
         match &self.finer {
             Ok(finer) if detail == Detail::Finer => finer,
             _ if detail == self.lead.detail => &self.lead,
@@ -154,7 +154,7 @@ impl Details {
 }
 
 /// True if all contacts are those of half-spaces.
-fn touches_on_half_spaces(flexible: &Flexible) -> bool {
+fn touches_on_half_spaces(flexible: &ElasticSettings) -> bool {
     let is = |p: PointContact| p.local == LocalContact::HalfSpace;
     (flexible.contacts.iter()).all(|c| c.points.is_some_and(is))
 }
@@ -163,12 +163,12 @@ fn touches_on_half_spaces(flexible: &Flexible) -> bool {
 ///
 /// # Errors
 /// Why they cannot.
-fn half_spaces(problem: &Problem, modes: usize) -> Result<Option<Flexible>, String> {
+fn half_spaces(problem: &Problem, modes: usize) -> Result<Option<ElasticSettings>, String> {
     let given = &problem.flexible;
     if touches_on_half_spaces(given) {
         return Ok(None);
     }
-    let mut lead = Flexible {
+    let mut lead = ElasticSettings {
         detail: Detail::HalfSpaces,
         ..given.clone()
     };
@@ -192,8 +192,12 @@ fn half_spaces(problem: &Problem, modes: usize) -> Result<Option<Flexible>, Stri
 ///
 /// # Errors
 /// Why there are none.
-fn finer(problem: &Problem, lead: &Flexible, modes: usize) -> Result<Flexible, String> {
-    let mut finer = Flexible {
+fn finer(
+    problem: &Problem,
+    lead: &ElasticSettings,
+    modes: usize,
+) -> Result<ElasticSettings, String> {
+    let mut finer = ElasticSettings {
         detail: Detail::Finer,
         ..lead.clone()
     };

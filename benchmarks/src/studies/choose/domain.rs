@@ -1,6 +1,6 @@
 //! Range of scenes on which the choice has been validated, and the test whether a scene lies outside of it.
 
-use super::plan::Prepared;
+use super::plan::CandidateData;
 use super::problem::Problem;
 use gearbench_models::law::Damping;
 use gearbench_models::spec::{Body, Mount, Profile};
@@ -19,7 +19,7 @@ pub const FREQUENCY: f64 = 2500.0;
 pub const LONGEST: f64 = 20e-3;
 
 /// Returns sentences on the properties of a scene outside of the validated range; empty if there are none.
-pub fn outside(problem: &Problem, prepared: &Prepared) -> Vec<String> {
+pub fn outside(problem: &Problem, prepared: &CandidateData) -> Vec<String> {
     let mut found = Vec::new();
     let scene = &problem.scene;
     if scene.gears.len() != 2 || scene.meshes.len() != 1 {

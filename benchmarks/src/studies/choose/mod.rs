@@ -22,25 +22,25 @@
 //! | `refinement` | refinement of modes and mesh, and the error of the top level |
 //! | `selection` | the cheapest adequate candidate |
 //! | `domain` | the range in which the choice has been validated |
-//! | `reason` | the reason in words |
+//! | `reasons` | the reason in words |
 //! | [`run`] | the result of the choice |
 //! | `record`, `summary` | the result as a record and on the terminal |
-//! | `chosen` | the scene file of the choice |
-//! | `held` | comparison of the choice with the references of the scene |
+//! | `chosen_scene` | the scene file of the choice |
+//! | `reference_comparison` | comparison of the choice with the references of the scene |
 
 pub(crate) mod arguments;
-mod chosen;
+mod chosen_scene;
 pub(crate) mod command;
 mod damping;
 pub mod detail;
 mod domain;
-mod held;
 pub mod level;
 mod pilot;
 pub mod plan;
 pub mod problem;
-mod reason;
+mod reasons;
 mod record;
+mod reference_comparison;
 pub(crate) mod refinement;
 pub mod requirement;
 pub mod run;

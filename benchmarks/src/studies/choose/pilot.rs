@@ -4,13 +4,13 @@
 //! are in it, and where gears run under a load, through mesh cycles at all of it; where the whole scene has no more than
 //! that, it is the whole scene.
 
-use super::plan::Fixed;
+use super::plan::InelasticLevel;
 use super::problem::Problem;
-use super::reason::per_cent;
+use super::reasons::per_cent;
 use super::requirement::is_scalar;
 use super::run::ChooseError;
 use super::statics::MeshOscillator;
-use super::trial::{Outcome, Trial};
+use super::trial::{Outcome, WindowModel};
 use gearbench_integrators::Scheme;
 use gearbench_integrators::table::TRIGONOMETRIC;
 use gearbench_models::spec::{effective_radius, mesh_layout};
@@ -115,7 +115,11 @@ fn method() -> Scheme {
 }
 
 /// A rigid run through the whole scene.
-fn whole(problem: &Problem, level: &Fixed, contact_time: f64) -> Result<Outcome, ChooseError> {
+fn whole(
+    problem: &Problem,
+    level: &InelasticLevel,
+    contact_time: f64,
+) -> Result<Outcome, ChooseError> {
     let n = (STEPS * problem.duration / contact_time).clamp(400.0, 200_000.0) as usize;
     let window = Window {
         grid: (0..=n)
@@ -123,7 +127,7 @@ fn whole(problem: &Problem, level: &Fixed, contact_time: f64) -> Result<Outcome,
             .collect(),
         ..Window::to(problem.duration, contact_time / SAMPLES)
     };
-    Ok(Trial::new(problem, &level.scene, &level.modelling)?.run(&method(), &window)?)
+    Ok(WindowModel::new(problem, &level.scene, &level.modelling)?.run(&method(), &window)?)
 }
 
 /// Computes the approach of the flanks at the largest force of a rigid run [m].
@@ -132,7 +136,7 @@ fn whole(problem: &Problem, level: &Fixed, contact_time: f64) -> Result<Outcome,
 /// [`ChooseError::NoContact`] when no teeth touch, [`ChooseError::Budget`] when the run was cut off before they did.
 pub fn approach(
     problem: &Problem,
-    level: &Fixed,
+    level: &InelasticLevel,
     oscillator: &MeshOscillator,
 ) -> Result<f64, ChooseError> {
     let run = whole(problem, level, oscillator.contact_time())?;
@@ -216,7 +220,7 @@ fn cycle(problem: &Problem) -> f64 {
 /// Returns the window of a scene.
 pub fn window(
     problem: &Problem,
-    level: &Fixed,
+    level: &InelasticLevel,
     oscillator: &MeshOscillator,
     metric: Metric,
 ) -> Result<Window, ChooseError> {
@@ -306,7 +310,7 @@ pub struct Sensitivity {
 /// model predicts such a history, and only its statistics have a meaning.
 pub fn sensitivity(
     problem: &Problem,
-    level: &Fixed,
+    level: &InelasticLevel,
     window: &Window,
     oscillator: &MeshOscillator,
     metric: Metric,
@@ -317,7 +321,7 @@ pub fn sensitivity(
     };
     let run = |factor: f64, w: &Window| -> Result<Outcome, ChooseError> {
         let level = scaled(problem, level, oscillator, factor);
-        Ok(Trial::new(problem, &level.scene, &level.modelling)?.run(&method(), w)?)
+        Ok(WindowModel::new(problem, &level.scene, &level.modelling)?.run(&method(), w)?)
     };
     let (base, stiffer) = (run(1.0, &all)?, run(1.0 + NUDGE, &all)?);
     let far = stiffer.error(metric, &base);
@@ -391,7 +395,12 @@ pub fn statistics(run: &Outcome) -> ForceStatistics {
 }
 
 /// A rigid level with its stiffness times a factor; a stiffness that is no table becomes a constant one.
-fn scaled(problem: &Problem, level: &Fixed, oscillator: &MeshOscillator, factor: f64) -> Fixed {
+fn scaled(
+    problem: &Problem,
+    level: &InelasticLevel,
+    oscillator: &MeshOscillator,
+    factor: f64,
+) -> InelasticLevel {
     let mut modelling = (*level.modelling).clone();
     for (c, mesh) in modelling.contacts.iter_mut().zip(&problem.scene.meshes) {
         if let PairStiffness::Table { k, .. } = &mut c.stiffness {
@@ -405,7 +414,7 @@ fn scaled(problem: &Problem, level: &Fixed, oscillator: &MeshOscillator, factor:
             of: PairOrMesh::Pair,
         };
     }
-    Fixed {
+    InelasticLevel {
         modelling: modelling.into(),
         ..level.clone()
     }

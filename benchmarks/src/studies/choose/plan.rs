@@ -3,12 +3,12 @@
 //! Steps are halves of halves of the contact time `T = pi sqrt(m/k)` of rigid gears with the stiffness of the norm, so
 //! that candidates of small and large gears resolve a contact alike.
 
-use super::damping::OfMesh;
+use super::damping::MeshModeDamping;
 use super::detail::Details;
 use super::level::{Level, Stiffness};
-use super::problem::{Flexible, Own, Problem};
+use super::problem::{ElasticSettings, ModelWithConstants, Problem};
 use super::run::ChooseError;
-use super::statics::{self, Calibrated, MeshOscillator, calibrate};
+use super::statics::{self, MeshOscillator, StaticPairStiffness, calibrate};
 use gearbench_integrators::Resolution;
 use gearbench_integrators::table::{
     DOPRI5, RK4, SEMI_IMPLICIT_EULER, TRIGONOMETRIC, VELOCITY_VERLET,
@@ -61,25 +61,25 @@ impl Candidate {
 }
 
 /// Integrators of a level: steps per contact time, and tolerances.
-struct Menu {
+struct IntegratorOptions {
     method: MethodSpec,
     steps: &'static [f64],
     tolerances: &'static [f64],
 }
 
-const fn at_steps(method: MethodSpec, steps: &'static [f64]) -> Menu {
-    Menu {
+const fn at_steps(method: MethodSpec, steps: &'static [f64]) -> IntegratorOptions {
+    IntegratorOptions {
         method,
         steps,
         tolerances: &[],
     }
 }
 
-const RIGID: [Menu; 5] = [
+const RIGID: [IntegratorOptions; 5] = [
     at_steps(SEMI_IMPLICIT_EULER, &[16.0, 32.0, 64.0, 128.0, 256.0]),
     at_steps(VELOCITY_VERLET, &[8.0, 16.0, 32.0, 64.0, 128.0]),
     at_steps(RK4, &[4.0, 8.0, 16.0, 32.0]),
-    Menu {
+    IntegratorOptions {
         method: DOPRI5,
         steps: &[],
         tolerances: &[1e-2, 1e-3, 1e-4],
@@ -88,9 +88,10 @@ const RIGID: [Menu; 5] = [
 ];
 /// Range of [`RIGID`] with the integrators for movable teeth, which need no modal oscillators.
 const TEETH: std::ops::Range<usize> = 1..4;
-const ELASTIC: Menu = at_steps(TRIGONOMETRIC, &[8.0, 16.0, 32.0, 64.0, 128.0, 256.0, 512.0]);
+const ELASTIC: IntegratorOptions =
+    at_steps(TRIGONOMETRIC, &[8.0, 16.0, 32.0, 64.0, 128.0, 256.0, 512.0]);
 
-impl Menu {
+impl IntegratorOptions {
     /// Returns the integrators with their steps or tolerances, the cheapest first.
     fn methods(&self, contact_time: f64) -> impl Iterator<Item = Scheme> + '_ {
         let steps = (self.steps.iter()).map(move |n| Resolution::Step(short(contact_time / n)));
@@ -106,7 +107,7 @@ fn short(x: f64) -> f64 {
 }
 
 /// Returns full finite elements on the meshes of elastic gears, with their contact and without modal damping.
-pub fn full(flexible: &Flexible) -> Modelling {
+pub fn full(flexible: &ElasticSettings) -> Modelling {
     let gears = (flexible.gears.iter())
         .map(|p| {
             FullOrderParameters {
@@ -123,7 +124,7 @@ pub fn full(flexible: &Flexible) -> Modelling {
 }
 
 /// Returns elastic gears with a number of modes, for a fixed step [s] or for a tolerance.
-pub fn elastic(flexible: &Flexible, modes: usize, step: Option<f64>) -> Modelling {
+pub fn elastic(flexible: &ElasticSettings, modes: usize, step: Option<f64>) -> Modelling {
     let gears = (flexible.gears.iter())
         .map(|p| {
             ElasticParameters {
@@ -142,7 +143,7 @@ pub fn elastic(flexible: &Flexible, modes: usize, step: Option<f64>) -> Modellin
 
 /// Level that is not elastic, with its scene and models, which are equal for all integrators.
 #[derive(Clone, Debug)]
-pub struct Fixed {
+pub struct InelasticLevel {
     /// Level of the model hierarchy.
     pub level: Level,
     /// Gears and meshes of the level.
@@ -153,28 +154,28 @@ pub struct Fixed {
 
 /// Data from which candidates are built, computed once per scene.
 #[derive(Clone, Debug)]
-pub struct Prepared {
+pub struct CandidateData {
     /// Oscillator of rigid gears on their mesh stiffness.
     pub oscillator: MeshOscillator,
     /// Levels of rigid gears and of movable teeth.
-    pub fixed: Vec<Fixed>,
+    pub fixed: Vec<InelasticLevel>,
     /// Stiffness from static solves, or the reason why there is none.
-    pub statics: Result<Calibrated, String>,
+    pub statics: Result<StaticPairStiffness, String>,
     /// Mesh and contact of the elastic gears.
     pub details: Details,
 }
 
-impl Prepared {
+impl CandidateData {
     /// Prepares the candidates of a scene: contact time, largest approach of a rigid run, static solves.
-    pub fn of(problem: &Problem) -> Result<Prepared, ChooseError> {
-        Prepared::with(problem, Details::of(problem, 0))
+    pub fn of(problem: &Problem) -> Result<CandidateData, ChooseError> {
+        CandidateData::with(problem, Details::of(problem, 0))
     }
 
     /// Prepares the candidates of a problem for elastic gears with the given details.
-    pub fn with(problem: &Problem, details: Details) -> Result<Prepared, ChooseError> {
+    pub fn with(problem: &Problem, details: Details) -> Result<CandidateData, ChooseError> {
         let oscillator = MeshOscillator::of(&problem.scene)?;
         let scene = Arc::new(problem.scene.clone());
-        let of_mesh = OfMesh::of(problem, &details);
+        let of_mesh = MeshModeDamping::of(problem, &details);
         // Without a mesh mode dampers belong to a force, which the first run tells.
         let relaxation = |m: usize, force| match &of_mesh {
             Some(of_mesh) => of_mesh.relaxation,
@@ -200,7 +201,7 @@ impl Prepared {
                     c
                 })
                 .collect();
-            Fixed {
+            InelasticLevel {
                 level: Level::Rigid(stiffness),
                 scene: scene.clone(),
                 modelling: damped(statics::rigid(&problem.scene, contacts)),
@@ -217,7 +218,7 @@ impl Prepared {
         if let Ok(c) = &statics {
             all.push(fixed(Stiffness::Static, statics::Source::Static(c), force));
         }
-        let own = |o: &Own, level| Fixed {
+        let own = |o: &ModelWithConstants, level| InelasticLevel {
             level,
             scene: Arc::new(o.scene.clone()),
             modelling: Arc::new(o.modelling.clone()),
@@ -237,7 +238,7 @@ impl Prepared {
                 if let (Some(o), Damping::RatioAtLoad { .. }) = (of_mesh, flexible.damping) {
                     modelling.contacts[0].damping = Damping::RatioAtLoad { ratio: o.ratio };
                 }
-                all.push(Fixed {
+                all.push(InelasticLevel {
                     level: Level::MovableTeeth(None),
                     scene: scene.clone(),
                     modelling: damped(modelling),
@@ -245,7 +246,7 @@ impl Prepared {
             }
         }
         all.extend(of(false).map(|o| own(o, Level::MovableTeeth(Some(o.label.clone())))));
-        Ok(Prepared {
+        Ok(CandidateData {
             oscillator,
             fixed: all,
             statics,
@@ -254,8 +255,8 @@ impl Prepared {
     }
 
     /// Returns the rigid level that is nearest to the elastic gears.
-    pub fn best_rigid(&self) -> &Fixed {
-        let is = |f: &&Fixed| f.level == Level::Rigid(Stiffness::Static);
+    pub fn best_rigid(&self) -> &InelasticLevel {
+        let is = |f: &&InelasticLevel| f.level == Level::Rigid(Stiffness::Static);
         self.fixed.iter().find(is).unwrap_or(&self.fixed[0])
     }
 
@@ -291,7 +292,7 @@ impl Prepared {
     /// Elastic gears with some modes under a method.
     fn flexible(
         &self,
-        of: &Flexible,
+        of: &ElasticSettings,
         scene: &Arc<SceneSpec>,
         modes: usize,
         method: Scheme,
@@ -311,7 +312,7 @@ impl Prepared {
     pub fn at_steps(
         &self,
         problem: &Problem,
-        of: &Flexible,
+        of: &ElasticSettings,
         modes: usize,
         steps: f64,
     ) -> Candidate {
@@ -341,6 +342,6 @@ pub fn fine_step(problem: &Problem, steps: f64) -> Result<f64, BuildError> {
 
 /// Returns the densest elastic model of gears, finer than all levels of the hierarchy, against which choices are
 /// validated.
-pub fn densest(problem: &Problem, prepared: &Prepared, of: &Flexible) -> Candidate {
+pub fn densest(problem: &Problem, prepared: &CandidateData, of: &ElasticSettings) -> Candidate {
     prepared.at_steps(problem, of, DENSEST, DENSEST_STEPS)
 }

@@ -42,7 +42,7 @@ const TOOTH_SPEED: f64 = 244.0;
 
 /// Elastic gears of a problem: parameters of the gears and contact of their flanks.
 #[derive(Clone, Debug)]
-pub struct Flexible {
+pub struct ElasticSettings {
     /// Parameters of the elastic model for each gear: mesh and damping, no modes and no step.
     pub gears: Vec<ElasticParameters>,
     /// Contacts with flank points, one per mesh.
@@ -55,7 +55,7 @@ pub struct Flexible {
 
 /// Rigid or movable-teeth model of the scene with constants of its own.
 #[derive(Clone, Debug)]
-pub struct Own {
+pub struct ModelWithConstants {
     /// Label of the model in the scene.
     pub label: String,
     /// True if the gears are rigid.
@@ -80,9 +80,9 @@ pub struct Problem {
     /// Samples of the histories over the duration.
     pub samples: usize,
     /// Elastic gears with the mesh and the contact of the scene.
-    pub flexible: Flexible,
+    pub flexible: ElasticSettings,
     /// Rigid and movable-teeth models of the scene, as further levels.
-    pub own: Vec<Own>,
+    pub own: Vec<ModelWithConstants>,
     /// Table of the available gear models.
     pub models: &'static [Model],
     /// Number of runs of the scene over which the set-up is distributed.
@@ -96,10 +96,10 @@ impl Problem {
     /// movable-teeth models as further levels.
     pub fn of(file: &SceneFile) -> Problem {
         let elastic = file.models.iter().find(|m| is_elastic(m));
-        let own: Vec<Own> = (file.models.iter())
+        let own: Vec<ModelWithConstants> = (file.models.iter())
             .filter(|m| properties_of(models(), &m.model).fit.is_some())
             .filter(|m| m.modelling.gears.iter().all(|g| g.id == m.model))
-            .map(|m| Own {
+            .map(|m| ModelWithConstants {
                 label: m.label.clone(),
                 rigid: properties_of(models(), &m.model).rigid,
                 scene: file.spec_for(m),
@@ -108,7 +108,7 @@ impl Problem {
             .collect();
         let flexible = elastic.map_or_else(
             || generated(&file.spec, own.first().map(|o| &o.modelling)),
-            |m| Flexible {
+            |m| ElasticSettings {
                 gears: (m.modelling.gears.iter())
                     .filter_map(ElasticParameters::of)
                     .map(|p| ElasticParameters {
@@ -142,7 +142,7 @@ impl Problem {
 
     /// Time by which the force of a mesh runs ahead of the approach of its gears, the damper of a pair over its
     /// stiffness `k` [N/m], under a force [N]; see the head of the module [s].
-    pub fn relaxation(&self, of: &Flexible, mesh: usize, k: f64, force: f64) -> f64 {
+    pub fn relaxation(&self, of: &ElasticSettings, mesh: usize, k: f64, force: f64) -> f64 {
         let ratio = (of.gears.iter())
             .filter_map(|p| p.damping_ratio)
             .fold(0.0, f64::max);
@@ -192,7 +192,7 @@ fn is_elastic(m: &ModelChoice) -> bool {
 }
 
 /// Returns elastic gears with generated meshes; damping and friction are those of `rigid`.
-fn generated(scene: &SceneSpec, rigid: Option<&Modelling>) -> Flexible {
+fn generated(scene: &SceneSpec, rigid: Option<&Modelling>) -> ElasticSettings {
     let [flank_elements, width_elements] = ELEMENTS.map(|(_, n)| Some(n));
     let parameters = ElasticParameters {
         mesh: MeshParameters {
@@ -223,7 +223,7 @@ fn generated(scene: &SceneSpec, rigid: Option<&Modelling>) -> Flexible {
             }
         })
         .collect();
-    Flexible {
+    ElasticSettings {
         gears: vec![parameters; scene.gears.len()],
         contacts,
         label: None,

@@ -1,15 +1,15 @@
 //! Conversion of a choice into a record.
 
 use super::problem::Problem;
-use super::reason::yardstick;
+use super::reasons::yardstick;
 use super::requirement::Requirement;
-use super::run::{Choice, LevelTried, Tried};
+use super::run::{CandidateResult, Choice, LevelResult};
 use crate::experiment::budget::NOT_TRIED;
 use crate::experiment::machine;
 use gearbench_models::spec::{LocalContact, PointContact};
 use gearbench_reports::numbers::round_quantity;
 use gearbench_reports::record::{Part, Results, Tolerance, finite};
-use gearbench_reports::{ChoiceRecord, ChooseRecord, LevelRecord, Metric, TriedRecord};
+use gearbench_reports::{CandidateRecord, ChoiceRecord, ChooseRecord, LevelRecord, Metric};
 
 /// Returns the record of a choice.
 pub fn results(
@@ -68,7 +68,7 @@ pub fn results(
     }
 }
 
-fn level(r: &LevelTried, cheapest: Option<usize>) -> LevelRecord {
+fn level(r: &LevelResult, cheapest: Option<usize>) -> LevelRecord {
     LevelRecord {
         name: r.level.name(),
         family: r.level.family().into(),
@@ -84,8 +84,8 @@ fn level(r: &LevelTried, cheapest: Option<usize>) -> LevelRecord {
     }
 }
 
-fn tried(t: &Tried) -> TriedRecord {
-    TriedRecord {
+fn tried(t: &CandidateResult) -> CandidateRecord {
+    CandidateRecord {
         level: t.candidate.level.name(),
         family: t.candidate.level.family().into(),
         integrator: t.candidate.method.method.to_string(),

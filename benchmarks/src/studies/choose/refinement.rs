@@ -17,12 +17,12 @@
 
 use super::level::Level;
 use super::pilot::Window;
-use super::plan::{Candidate, MODES, Prepared};
-use super::problem::{Flexible, Problem};
-use super::reason::per_cent;
+use super::plan::{Candidate, CandidateData, MODES};
+use super::problem::{ElasticSettings, Problem};
+use super::reasons::per_cent;
 use super::requirement::{Requirement, is_scalar};
 use super::run::ChooseError;
-use super::trial::{Outcome, Trial, cannot_run};
+use super::trial::{Outcome, WindowModel, cannot_run};
 use crate::experiment::budget::NOT_TRIED;
 use gearbench_integrators::modal::resonance::SAFE;
 use gearbench_reports::Metric;
@@ -135,8 +135,8 @@ impl Refinement {
     /// Why the run could not start, or why it is not to be used.
     pub fn further(
         &self,
-        (problem, prepared, window): (&Problem, &Prepared, &Window),
-        of: &Flexible,
+        (problem, prepared, window): (&Problem, &CandidateData, &Window),
+        of: &ElasticSettings,
         modes: usize,
     ) -> Result<Result<RefinedLevel, String>, ChooseError> {
         let candidate = prepared.at_steps(problem, of, modes, self.steps);
@@ -161,7 +161,7 @@ fn integration_error(
     let Some(step) = candidate.method.resolution.step() else {
         return Ok(f64::INFINITY);
     };
-    let mut trial = Trial::new(problem, &candidate.scene, &candidate.modelling)?;
+    let mut trial = WindowModel::new(problem, &candidate.scene, &candidate.modelling)?;
     let highest = level.outcome.row.highest_hz.unwrap_or(0.0);
     let found = error_of_step((step, highest), |other| {
         let other = trial.run(&candidate.method.method.at_step(other), window)?;
@@ -221,7 +221,7 @@ fn level(
     candidate: Candidate,
     window: &Window,
 ) -> Result<Result<RefinedLevel, String>, ChooseError> {
-    let mut trial = Trial::new(problem, &candidate.scene, &candidate.modelling)?;
+    let mut trial = WindowModel::new(problem, &candidate.scene, &candidate.modelling)?;
     let outcome = trial.run(&candidate.method, window)?;
     if !outcome.usable() {
         return Ok(Err(
@@ -243,7 +243,7 @@ fn level(
 /// [`ChooseError::Hierarchy`] when no elastic gears reach the end of the window.
 pub fn refine(
     problem: &Problem,
-    prepared: &Prepared,
+    prepared: &CandidateData,
     window: &Window,
     requirement: &Requirement,
     growth: f64,
@@ -258,7 +258,7 @@ pub fn refine(
 /// # Errors
 /// [`ChooseError`] for the reasons that [`refine`] names.
 pub fn refine_over(
-    (problem, prepared, window): (&Problem, &Prepared, &Window),
+    (problem, prepared, window): (&Problem, &CandidateData, &Window),
     (requirement, growth): (&Requirement, f64),
     all_modes: &[usize],
     progress: &mut impl FnMut(&str),

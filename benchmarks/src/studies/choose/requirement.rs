@@ -5,7 +5,7 @@
 //! since all models have an energy balance.
 
 use gearbench_reports::Metric;
-use gearbench_reports::metrics::{Finished, compare};
+use gearbench_reports::metrics::{FinishedRun, compare};
 use gearbench_reports::record::Ledger;
 use gearbench_reports::series::TimeSeries;
 
@@ -51,7 +51,7 @@ pub fn is_scalar(metric: Metric) -> bool {
 /// Computes the absolute value of the error of a run against a reference; `None` where one of them lacks the quantity.
 pub fn error(
     metric: Metric,
-    run: Finished<'_>,
+    run: FinishedRun<'_>,
     (reference, its_ledger): (&TimeSeries, &Ledger),
 ) -> Option<f64> {
     if metric != Metric::EnergyDrift {
@@ -77,7 +77,7 @@ mod tests {
         let mut none = TimeSeries::default();
         none.push(0.0, 0.0, 0.0, 0.0);
         let error = |own: &Ledger| {
-            let run = Finished::reached(&none, own, [0.0, 0.0]).unwrap();
+            let run = FinishedRun::reached(&none, own, [0.0, 0.0]).unwrap();
             error(Metric::EnergyDrift, run, (&none, &ledger(0.7)))
         };
         assert!((error(&ledger(0.5)).unwrap() - 0.05).abs() < 1e-12);

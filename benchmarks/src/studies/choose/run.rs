@@ -3,7 +3,7 @@
 use super::detail::{Detail, Details};
 use super::level::Level;
 use super::pilot::Window;
-use super::plan::{Candidate, MODES, Prepared};
+use super::plan::{Candidate, CandidateData, MODES};
 use super::problem::Problem;
 use super::refinement::{refine, refine_over};
 use super::requirement::{Requirement, is_scalar};
@@ -47,7 +47,7 @@ pub enum ChooseError {
 
 /// Result of a level on the window.
 #[derive(Clone, Debug)]
-pub struct LevelTried {
+pub struct LevelResult {
     /// Level of the model hierarchy.
     pub level: Level,
     /// Integrator and resolution with a negligible integration error.
@@ -72,7 +72,7 @@ pub struct LevelTried {
 
 /// Candidate with its result on the window.
 #[derive(Clone, Debug)]
-pub struct Tried {
+pub struct CandidateResult {
     /// Model, integrator and resolution that were tried.
     pub candidate: Candidate,
     /// Estimated error against the top level over the whole scene.
@@ -120,9 +120,9 @@ pub struct Choice {
     /// Sentences that explain the choice.
     pub reason: Vec<String>,
     /// Levels of the model hierarchy that were tried.
-    pub levels: Vec<LevelTried>,
+    pub levels: Vec<LevelResult>,
     /// All candidates that were run on the window.
-    pub tried: Vec<Tried>,
+    pub tried: Vec<CandidateResult>,
     /// Window of the scene on which the models were compared.
     pub window: Window,
     /// Properties of the scene that lie outside of the range in which the choice has been validated.
@@ -160,13 +160,13 @@ pub fn choose(
     mut progress: impl FnMut(&str),
 ) -> Result<Choice, ChooseError> {
     progress("static solves");
-    let prepared = Prepared::of(problem)?;
+    let prepared = CandidateData::of(problem)?;
     let on_half_spaces = prepared.details.lead.detail == Detail::HalfSpaces;
     match choose_among(problem, prepared, requirement, &mut progress) {
         Err(ChooseError::Hierarchy(why)) if on_half_spaces => {
             progress("static solves");
             let why = format!("no run on half-spaces is sound ({why})");
-            let prepared = Prepared::with(problem, Details::as_given(problem, why))?;
+            let prepared = CandidateData::with(problem, Details::as_given(problem, why))?;
             choose_among(problem, prepared, requirement, &mut progress)
         }
         other => other,
@@ -176,7 +176,7 @@ pub fn choose(
 /// Chooses with elastic gears that are meshed and touch in a way that was found.
 fn choose_among(
     problem: &Problem,
-    prepared: Prepared,
+    prepared: CandidateData,
     requirement: &Requirement,
     progress: &mut impl FnMut(&str),
 ) -> Result<Choice, ChooseError> {

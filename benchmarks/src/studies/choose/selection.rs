@@ -12,12 +12,12 @@
 use super::detail::Detail;
 use super::level::Level;
 use super::pilot::{self, Sensitivity, Window};
-use super::plan::{Candidate, Fixed, Prepared};
+use super::plan::{Candidate, CandidateData, InelasticLevel};
 use super::problem::Problem;
 use super::refinement::{RefinedLevel, Refinement};
 use super::requirement::{Requirement, is_scalar};
-use super::run::{Choice, ChooseError, LevelTried, Parts, Tried};
-use super::trial::{Outcome, Trial, cannot_run};
+use super::run::{CandidateResult, Choice, ChooseError, LevelResult, Parts};
+use super::trial::{Outcome, WindowModel, cannot_run};
 use gearbench_integrators::modal::resonance::SAFE;
 use gearbench_integrators::table::{DOPRI5, TRIGONOMETRIC};
 use gearbench_reports::record::Status;
@@ -31,8 +31,8 @@ const FINE: f64 = 512.0;
 const REPEATS: usize = 9;
 
 /// A level with its own fine solution.
-struct Standing {
-    tried: LevelTried,
+struct LevelSolution {
+    tried: LevelResult,
     fine: Option<Outcome>,
 }
 
@@ -63,7 +63,7 @@ impl Selector<'_, '_> {
     }
 
     /// True if the processor time is used up; the item is then listed as not tried.
-    fn leaves(&mut self, name: impl FnOnce() -> String) -> bool {
+    fn budget_is_spent(&mut self, name: impl FnOnce() -> String) -> bool {
         let spent = self.problem.runner.budget().is_spent();
         if spent {
             self.not_tried.push(name());
@@ -82,9 +82,9 @@ impl Selector<'_, '_> {
     }
 
     /// A level without a usable run, for a reason.
-    fn refused(&self, of: &Candidate, why: &str) -> Standing {
-        Standing {
-            tried: LevelTried {
+    fn refused(&self, of: &Candidate, why: &str) -> LevelSolution {
+        LevelSolution {
+            tried: LevelResult {
                 level: of.level.clone(),
                 method: of.method,
                 distance: f64::INFINITY,
@@ -106,13 +106,17 @@ impl Selector<'_, '_> {
     }
 
     /// Compares a level that is not elastic with the top one.
-    fn stand(&mut self, fixed: &Fixed, contact_time: f64) -> Result<Standing, ChooseError> {
+    fn evaluate_level(
+        &mut self,
+        fixed: &InelasticLevel,
+        contact_time: f64,
+    ) -> Result<LevelSolution, ChooseError> {
         (self.progress)(&format!("{} on the window", fixed.level.name()));
         let method = match fixed.level {
             Level::MovableTeeth(_) => DOPRI5.at_tolerance(1e-5),
             _ => TRIGONOMETRIC.at_step(contact_time / FINE),
         };
-        let ran = Trial::new(self.problem, &fixed.scene, &fixed.modelling)
+        let ran = WindowModel::new(self.problem, &fixed.scene, &fixed.modelling)
             .and_then(|mut trial| Ok((trial.run(&method, self.window)?, trial.setup)));
         let (fine, setup) = match ran {
             Ok(ran) => ran,
@@ -129,8 +133,8 @@ impl Selector<'_, '_> {
         };
         let distance = fine.error(self.requirement.metric, self.top);
         let error = self.error(distance);
-        Ok(Standing {
-            tried: LevelTried {
+        Ok(LevelSolution {
+            tried: LevelResult {
                 level: fixed.level.clone(),
                 method,
                 distance,
@@ -147,13 +151,13 @@ impl Selector<'_, '_> {
     }
 
     /// Compares elastic gears that were run with the top level.
-    fn elastic(&self, refined: &RefinedLevel, prepared: &Prepared) -> Standing {
+    fn elastic(&self, refined: &RefinedLevel, prepared: &CandidateData) -> LevelSolution {
         let distance = refined.outcome.error(self.requirement.metric, self.top);
         let error = self.error(distance);
         let detail = refined.candidate.level.detail();
         let detail_s = detail.map_or(0.0, |d| prepared.details.setup_s(d));
-        Standing {
-            tried: LevelTried {
+        LevelSolution {
+            tried: LevelResult {
                 level: refined.candidate.level.clone(),
                 method: refined.candidate.method,
                 distance,
@@ -171,14 +175,14 @@ impl Selector<'_, '_> {
 
     /// Estimates the error of the contact of the scene itself, with the modes of the top level, where half-spaces have
     /// replaced it. The result is reported, not a candidate: half-spaces cost no more.
-    fn as_given(&mut self, prepared: &Prepared) -> Result<Option<Standing>, ChooseError> {
+    fn as_given(&mut self, prepared: &CandidateData) -> Result<Option<LevelSolution>, ChooseError> {
         let given = &self.problem.flexible;
         let top = self.refinement.levels.last();
         let Some(modes) = top.and_then(|l| l.candidate.level.modes()) else {
             return Ok(None);
         };
         if prepared.details.lead.detail == given.detail
-            || self.leaves(|| Level::elastic(modes, given.detail).name())
+            || self.budget_is_spent(|| Level::elastic(modes, given.detail).name())
         {
             return Ok(None);
         }
@@ -208,12 +212,12 @@ impl Selector<'_, '_> {
     }
 
     /// Searches the cheapest adequate candidate of an adequate level.
-    fn look(
+    fn search_cheapest(
         &mut self,
-        level: &mut LevelTried,
+        level: &mut LevelResult,
         fine: Option<&RefinedLevel>,
         all: &[Candidate],
-        tried: &mut Vec<Tried>,
+        tried: &mut Vec<CandidateResult>,
     ) -> Result<(), ChooseError> {
         if level.adequate != Adequacy::Adequate {
             return Ok(());
@@ -232,7 +236,7 @@ impl Selector<'_, '_> {
         &mut self,
         (candidates, setup): (&[Candidate], f64),
         fine: Option<(&Candidate, f64)>,
-        tried: &mut Vec<Tried>,
+        tried: &mut Vec<CandidateResult>,
     ) -> Result<Option<(Candidate, f64)>, ChooseError> {
         let mut best: Option<(Candidate, f64)> = None;
         let same = |a: &Candidate, b: &Candidate| {
@@ -240,13 +244,15 @@ impl Selector<'_, '_> {
             a.method.method == b.method.method && by_step(a) == by_step(b)
         };
         let mut kept = match fine {
-            Some((c, _)) => Some(Trial::new(self.problem, &c.scene, &c.modelling)?),
+            Some((c, _)) => Some(WindowModel::new(self.problem, &c.scene, &c.modelling)?),
             None => None,
         };
         for row in candidates.chunk_by(same) {
             let mut pending: Option<(&Candidate, f64)> = None;
             for (i, candidate) in row.iter().enumerate() {
-                if self.too_dear(candidate, setup) || self.leaves(|| candidate.name()) {
+                if self.exceeds_cheapest(candidate, setup)
+                    || self.budget_is_spent(|| candidate.name())
+                {
                     break;
                 }
                 (self.progress)(&candidate.name());
@@ -258,8 +264,11 @@ impl Selector<'_, '_> {
                 let trial = match kept.as_mut().filter(|_| reused) {
                     Some(trial) => trial,
                     None => {
-                        own = match Trial::new(self.problem, &candidate.scene, &candidate.modelling)
-                        {
+                        own = match WindowModel::new(
+                            self.problem,
+                            &candidate.scene,
+                            &candidate.modelling,
+                        ) {
                             Ok(own) => own,
                             Err(e) => {
                                 tried.push(self.not_run(candidate, cannot_run(&e).ok_or(e)?));
@@ -288,9 +297,9 @@ impl Selector<'_, '_> {
                     let end = self.window.end;
                     let on_window = trial.cost(&candidate.method, end, repeats)?;
                     cost = self.whole_cost(candidate, on_window);
-                    self.learn(candidate, cost);
+                    self.record_step_cost(candidate, cost);
                 }
-                tried.push(Tried {
+                tried.push(CandidateResult {
                     candidate: candidate.clone(),
                     error,
                     cost_s: cost,
@@ -318,8 +327,8 @@ impl Selector<'_, '_> {
     }
 
     /// A candidate that cannot run.
-    fn not_run(&self, candidate: &Candidate, why: String) -> Tried {
-        Tried {
+    fn not_run(&self, candidate: &Candidate, why: String) -> CandidateResult {
+        CandidateResult {
             candidate: candidate.clone(),
             error: f64::INFINITY,
             cost_s: f64::NAN,
@@ -330,7 +339,7 @@ impl Selector<'_, '_> {
     }
 
     /// Records the cost of a step of elastic gears.
-    fn learn(&mut self, candidate: &Candidate, cost: f64) {
+    fn record_step_cost(&mut self, candidate: &Candidate, cost: f64) {
         if let (Some(_), Some(h)) = (candidate.level.modes(), candidate.method.resolution.step()) {
             let per_step = cost * h;
             self.per_step = Some(self.per_step.map_or(per_step, |p: f64| p.min(per_step)));
@@ -339,7 +348,7 @@ impl Selector<'_, '_> {
 
     /// Elastic gears whose set-up and steps alone cost more than the cheapest that is known to be adequate: the confirming
     /// next shorter step of something cheaper may still run.
-    fn too_dear(&self, candidate: &Candidate, setup: f64) -> bool {
+    fn exceeds_cheapest(&self, candidate: &Candidate, setup: f64) -> bool {
         let Some(h) =
             (candidate.method.resolution.step()).filter(|_| candidate.level.modes().is_some())
         else {
@@ -384,7 +393,7 @@ fn failure(outcome: &Outcome) -> Option<String> {
 /// [`ChooseError`] when something that was to run could not start.
 pub fn select(
     problem: &Problem,
-    prepared: &Prepared,
+    prepared: &CandidateData,
     window: &Window,
     requirement: &Requirement,
     (refinement, sensitivity): (Refinement, &Sensitivity),
@@ -419,11 +428,11 @@ pub fn select(
         if matches!(fixed.level, Level::MovableTeeth(_)) && selector.cheapest.is_finite() {
             continue;
         }
-        if selector.leaves(|| fixed.level.name()) {
+        if selector.budget_is_spent(|| fixed.level.name()) {
             continue;
         }
-        let mut standing = selector.stand(fixed, prepared.oscillator.contact_time())?;
-        selector.look(&mut standing.tried, None, &all, &mut tried)?;
+        let mut standing = selector.evaluate_level(fixed, prepared.oscillator.contact_time())?;
+        selector.search_cheapest(&mut standing.tried, None, &all, &mut tried)?;
         standings.push(standing);
     }
     for (candidate, why) in &refinement.refused {
@@ -432,7 +441,7 @@ pub fn select(
     let finer = refinement.finer.as_ref().ok();
     for refined in refinement.levels.iter().chain(finer) {
         let mut standing = selector.elastic(refined, prepared);
-        selector.look(&mut standing.tried, Some(refined), &all, &mut tried)?;
+        selector.search_cheapest(&mut standing.tried, Some(refined), &all, &mut tried)?;
         standings.push(standing);
     }
     // Where nothing on the mesh of the scene will do, fewer modes on the finer one may.
@@ -445,7 +454,7 @@ pub fn select(
     {
         for modes in refinement.levels.split_last().map_or(&[][..], |x| x.1) {
             let modes = modes.candidate.level.modes().unwrap_or(0);
-            if selector.leaves(|| Level::elastic(modes, of.detail).name()) {
+            if selector.budget_is_spent(|| Level::elastic(modes, of.detail).name()) {
                 continue;
             }
             (selector.progress)(&format!(
@@ -456,7 +465,7 @@ pub fn select(
                 continue;
             };
             let mut standing = selector.elastic(&further, prepared);
-            selector.look(&mut standing.tried, Some(&further), &all, &mut tried)?;
+            selector.search_cheapest(&mut standing.tried, Some(&further), &all, &mut tried)?;
             standings.push(standing);
         }
     }
@@ -470,7 +479,7 @@ pub fn select(
             s.tried.level.modes(),
         )
     });
-    let total = |s: &Standing| {
+    let total = |s: &LevelSolution| {
         let (_, cost) = s.tried.cheapest.as_ref()?;
         Some(selector.total(s.tried.setup_s, *cost))
     };
@@ -523,18 +532,18 @@ pub fn select(
         if let Some(fine) = &standing.fine {
             let (scene, modelling) = (candidate.scene.clone(), candidate.modelling.clone());
             let outcome =
-                Trial::new(problem, &scene, &modelling)?.run(&candidate.method, window)?;
+                WindowModel::new(problem, &scene, &modelling)?.run(&candidate.method, window)?;
             choice.parts.integration = outcome.error(requirement.metric, fine);
         }
         choice.candidate = Some(candidate);
     }
     choice.levels = standings.into_iter().map(|s| s.tried).collect();
-    let of = |level: &LevelTried| {
+    let of = |level: &LevelResult| {
         let own = (choice.tried.iter()).filter(|t| t.candidate.level == level.level);
         (level.adequate, own.map(|t| t.adequate).collect())
     };
     choice.verdict = verdict(choice.candidate.is_some(), choice.levels.iter().map(of));
-    choice.reason = super::reason::reason(&choice, requirement, &refinement);
+    choice.reason = super::reasons::reason(&choice, requirement, &refinement);
     Ok(choice)
 }
 

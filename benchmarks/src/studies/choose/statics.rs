@@ -7,7 +7,7 @@
 //! touches on a patch that grows. Pairs carry what they do beside their neighbours, so the sum over the pairs in
 //! contact is the mesh stiffness of the elastic gears at every position, coupling through the bodies included.
 
-use super::problem::{Flexible, Problem};
+use super::problem::{ElasticSettings, Problem};
 use gearbench_integrators::system::SecondOrderSystem;
 use gearbench_models::error::{BuildError, MeshPart, Reason};
 use gearbench_models::gear::movable_teeth::{MovableTeethParameters, PerTooth};
@@ -85,7 +85,7 @@ pub fn contact(stiffness: PairStiffness, exponent: f64, damping: Damping) -> Con
 pub enum Source<'a> {
     Norm,
     Analytic,
-    Static(&'a Calibrated),
+    Static(&'a StaticPairStiffness),
 }
 
 impl Source<'_> {
@@ -164,7 +164,7 @@ pub fn relaxation_of(scene: &SceneSpec, contact: &ContactSpec) -> Option<f64> {
 
 /// Stiffness of a tooth pair from static solves.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Calibrated {
+pub struct StaticPairStiffness {
     /// Path coordinates of the table [m], ascending.
     pub s: Vec<f64>,
     /// Coefficients at the path coordinates [N/m^n].
@@ -177,7 +177,7 @@ pub struct Calibrated {
     pub work: [u64; 2],
 }
 
-impl Calibrated {
+impl StaticPairStiffness {
     /// Returns the table as the stiffness of a contact.
     pub fn stiffness(&self) -> PairStiffness {
         table(self.s.clone(), self.k.clone())
@@ -205,9 +205,9 @@ fn table(s: Vec<f64>, k: Vec<f64>) -> PairStiffness {
 /// [`StaticsError`]: more than one mesh, no equilibrium, or no pair that presses on the path.
 pub fn calibrate(
     problem: &Problem,
-    of: &Flexible,
+    of: &ElasticSettings,
     approach: f64,
-) -> Result<Calibrated, StaticsError> {
+) -> Result<StaticPairStiffness, StaticsError> {
     let modelling = super::plan::elastic(of, 0, None);
     let mut pair = LoadedPair::new(&problem.scene, &modelling, problem.models)?;
     let (pitch, base, path) = {
@@ -247,7 +247,7 @@ pub fn calibrate(
     let (s, k) = (forces.into_iter())
         .map(|(s, f)| (s, f / (cos * high).powf(exponent)))
         .unzip();
-    Ok(Calibrated {
+    Ok(StaticPairStiffness {
         s,
         k,
         exponent,
@@ -264,7 +264,7 @@ pub fn calibrate(
 /// A pair that the analytic compliance does not know.
 pub fn movable_teeth(
     scene: &SceneSpec,
-    pair: Option<&Calibrated>,
+    pair: Option<&StaticPairStiffness>,
     damping: Damping,
 ) -> Result<Modelling, BuildError> {
     let [a, b] = scene.meshes[0].gears.map(|i| &scene.gears[i]);

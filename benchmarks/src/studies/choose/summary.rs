@@ -1,8 +1,8 @@
 //! Terminal summary of a record of `choose`.
 
-use super::reason::{per_cent, runs, seconds};
+use super::reasons::{per_cent, runs, seconds};
 use super::run::Choice;
-use crate::cli::terminal::say;
+use crate::cli::terminal::print_line;
 use crate::experiment::budget::NOT_TRIED;
 use gearbench_reports::{Adequacy, ChoiceRecord, Verdict};
 
@@ -19,8 +19,8 @@ pub(super) fn summarise(choice: &ChoiceRecord, found: &Choice) {
     };
     match (choice.answer(), &found.candidate) {
         (Verdict::Adequate, Some(c)) => {
-            say(&format!("{wanted}: {}", c.name()));
-            say(&format!(
+            print_line(&format!("{wanted}: {}", c.name()));
+            print_line(&format!(
                 "predicted error {}, {own}; predicted cost {} a run after a set-up of {}, {} for {}",
                 per_cent(found.predicted_error),
                 seconds(found.predicted_cost_s),
@@ -37,26 +37,26 @@ pub(super) fn summarise(choice: &ChoiceRecord, found: &Choice) {
                 (Some(_), None) => format!("the history does not repeat; {own}"),
                 (None, None) => own,
             };
-            say(&format!("{wanted}: not decided, {why}"));
+            print_line(&format!("{wanted}: not decided, {why}"));
         }
-        _ => say(&format!("{wanted}: nothing is adequate; {own}")),
+        _ => print_line(&format!("{wanted}: nothing is adequate; {own}")),
     }
     for sentence in &choice.reason {
-        say(&format!("  {sentence}"));
+        print_line(&format!("  {sentence}"));
     }
     // One number for a level with its best method, another for the choice.
-    say(
+    print_line(
         "  (`error` in the table is a level's against the yardstick under its most accurate method; the choice adds that of its own)",
     );
     for sentence in &choice.outside {
-        say(&format!(
+        print_line(&format!(
             "warning: not checked on scenes like this: {sentence}"
         ));
     }
     if !found.not_tried.is_empty() {
-        say(&format!("{NOT_TRIED}: {}", found.not_tried.join("; ")));
+        print_line(&format!("{NOT_TRIED}: {}", found.not_tried.join("; ")));
     }
-    say(&format!(
+    print_line(&format!(
         "{:<34} {:>9} {:>9}  {}",
         "level", "error", "cost", "result"
     ));
@@ -78,7 +78,7 @@ pub(super) fn summarise(choice: &ChoiceRecord, found: &Choice) {
                 (String::new(), word.into())
             }
         };
-        say(&format!(
+        print_line(&format!(
             "{:<34} {:>9} {:>9}  {result}",
             r.level.name(),
             per_cent(r.error),

@@ -1,10 +1,10 @@
 //! Static calibration, candidates and domain on a coarse pair that reduces in a fraction of a second.
 
-use super::damping::OfMesh;
+use super::damping::MeshModeDamping;
 use super::detail::{Detail, Details};
 use super::level::{Level, Stiffness};
-use super::plan::{Candidate, Fixed, Prepared, elastic};
-use super::problem::{Flexible, Problem};
+use super::plan::{Candidate, CandidateData, InelasticLevel, elastic};
+use super::problem::{ElasticSettings, Problem};
 use super::requirement::Requirement;
 use super::run::choose;
 use super::statics::{MeshOscillator, calibrate};
@@ -42,7 +42,7 @@ fn half_spaces_lead_and_a_finer_mesh_judges() {
         (d.lead.detail, &d.no_half_spaces),
         (Detail::HalfSpaces, &None)
     );
-    let mesh = |f: &Flexible| f.gears[0].mesh.counted();
+    let mesh = |f: &ElasticSettings| f.gears[0].mesh.counted();
     assert_eq!(mesh(&d.lead), [4, 2, 6, 2, 1]);
     assert_eq!(d.judge().detail, Detail::Finer);
     assert_eq!(mesh(d.judge()), [8, 4, 12, 4, 2]);
@@ -68,7 +68,7 @@ fn what_cannot_be_refined_is_told() {
     let why = d.no_half_spaces.as_deref().expect("a reason");
     assert!(why.contains("dashpots"), "{why}");
     let finer = d.finer.as_ref().expect("a finer mesh");
-    let points = |f: &Flexible| f.contacts[0].points;
+    let points = |f: &ElasticSettings| f.contacts[0].points;
     assert_eq!(points(finer), points(&s.flexible));
     s.flexible.gears[1].reduction = Some("wheel.npz".into());
     let why = Details::of(&s, 0).finer.expect_err("a stored reduction");
@@ -123,13 +123,13 @@ fn a_choice_is_held_against_the_finer_mesh() {
     assert!(reason.contains("twice the elements"), "{reason}");
     assert!(choice.candidate.is_some(), "{reason}");
 
-    let p = Prepared::of(&s).expect("a scene that runs");
+    let p = CandidateData::of(&s).expect("a scene that runs");
     let all = p.candidates(&s);
     let file = coarse("modes = 30, damping_ratio = 0.01");
     for (detail, elements) in [(Detail::HalfSpaces, 4), (Detail::Finer, 8)] {
         let of = |c: &&Candidate| c.level.detail() == Some(detail);
         let candidate = all.iter().find(of).expect("a candidate");
-        let text = super::chosen::text(&file, candidate, &[]).expect("a scene");
+        let text = super::chosen_scene::text(&file, candidate, &[]).expect("a scene");
         assert!(text.contains("local = \"half-space\""), "{text}");
         assert!(
             text.contains(&format!("flank_elements = {elements},")),
@@ -160,7 +160,7 @@ fn windows_reach_the_running_load() {
     let window = |load: &str| {
         let s = Problem::of(&file(load, 40e-3));
         let oscillator = MeshOscillator::of(&s.scene).expect("an oscillator");
-        let level = Fixed {
+        let level = InelasticLevel {
             level: Level::Rigid(Stiffness::Norm),
             scene: Arc::new(s.scene.clone()),
             modelling: Arc::new(s.own[0].modelling.clone()),
@@ -179,7 +179,7 @@ fn windows_reach_the_running_load() {
 #[test]
 fn static_solves_make_rigid_gears_as_stiff_as_elastic_ones() {
     let s = problem();
-    let p = Prepared::of(&s).expect("a scene that runs");
+    let p = CandidateData::of(&s).expect("a scene that runs");
     let found = p.statics.clone().expect("a stiffness");
     assert!((1.0..1.5).contains(&found.exponent), "{}", found.exponent);
     let rigid = p.best_rigid();
@@ -257,8 +257,8 @@ fn derived_levels_have_the_damping_of_the_mesh_mode() {
         "penalty_pa_per_m = 2e15, damping_ns_per_m3 = 2e9",
     ] {
         let s = Problem::of(&file(contact));
-        let p = Prepared::of(&s).expect("a scene that runs");
-        let judge = OfMesh::of(&s, &p.details).expect("a mesh mode");
+        let p = CandidateData::of(&s).expect("a scene that runs");
+        let judge = MeshModeDamping::of(&s, &p.details).expect("a mesh mode");
         assert!((1e-4..0.02).contains(&judge.ratio), "{judge:?}");
         // Stiffness of the norm, of analytic compliance and of static solves, and movable teeth.
         assert_eq!(p.fixed.len(), 4);
@@ -271,13 +271,15 @@ fn derived_levels_have_the_damping_of_the_mesh_mode() {
     }
     // Without loads nothing swings about a state.
     let s = problem();
-    assert_eq!(OfMesh::of(&s, &Details::of(&s, 0)), None);
+    assert_eq!(MeshModeDamping::of(&s, &Details::of(&s, 0)), None);
 }
 
 #[test]
 fn candidates_are_distinct_and_go_from_cheap_to_dear() {
     let s = problem();
-    let all = Prepared::of(&s).expect("a scene that runs").candidates(&s);
+    let all = CandidateData::of(&s)
+        .expect("a scene that runs")
+        .candidates(&s);
     let names: BTreeSet<String> = all.iter().map(Candidate::name).collect();
     assert_eq!(names.len(), all.len());
     assert!(matches!(all[0].level, Level::Rigid(_)));
@@ -299,7 +301,7 @@ fn candidates_are_distinct_and_go_from_cheap_to_dear() {
 #[test]
 fn scenes_outside_of_the_domain_are_told() {
     let mut s = without_dashpots();
-    let p = Prepared::of(&s).expect("a scene that runs");
+    let p = CandidateData::of(&s).expect("a scene that runs");
     assert_eq!(domain::outside(&s, &p), Vec::<String>::new());
     s.duration = 1.0;
     s.scene.gears[0].speed = 5000.0;
@@ -307,7 +309,7 @@ fn scenes_outside_of_the_domain_are_told() {
     assert!(found.contains("it lasts 1.000 s"), "{found}");
     assert!(found.contains("teeth of `a` pass in a second"), "{found}");
     let s = problem();
-    let p = Prepared::of(&s).expect("a scene that runs");
+    let p = CandidateData::of(&s).expect("a scene that runs");
     let found = domain::outside(&s, &p).join("; ");
     assert!(found.contains("dashpots"), "{found}");
 }

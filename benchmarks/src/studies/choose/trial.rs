@@ -14,7 +14,7 @@ use gearbench_models::gear::table::properties_of;
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{Modelling, SceneSpec};
 use gearbench_reports::Metric;
-use gearbench_reports::metrics::Finished;
+use gearbench_reports::metrics::FinishedRun;
 use gearbench_reports::record::{Ledger, Run, Status};
 use gearbench_reports::series::TimeSeries;
 use serde::{Deserialize, Serialize};
@@ -33,7 +33,7 @@ pub fn cannot_run(e: &RunError) -> Option<String> {
 }
 
 /// Model that is assembled for runs on the window.
-pub struct Trial<'a> {
+pub struct WindowModel<'a> {
     spec: &'a SceneSpec,
     modelling: &'a Modelling,
     problem: &'a Problem,
@@ -68,25 +68,25 @@ impl Outcome {
     pub fn error(&self, metric: Metric, reference: &Outcome) -> f64 {
         let times = [self.row.simulated_s, self.end_s];
         (self.usable().then_some(()))
-            .and_then(|()| Finished::reached(&self.series, &self.ledger, times).ok())
+            .and_then(|()| FinishedRun::reached(&self.series, &self.ledger, times).ok())
             .and_then(|run| requirement::error(metric, run, (&reference.series, &reference.ledger)))
             .unwrap_or(f64::INFINITY)
     }
 }
 
-impl<'a> Trial<'a> {
+impl<'a> WindowModel<'a> {
     /// Assembles a scene with a model for runs on the window.
     pub fn new(
         problem: &'a Problem,
         spec: &'a SceneSpec,
         modelling: &'a Modelling,
-    ) -> Result<Trial<'a>, RunError> {
+    ) -> Result<WindowModel<'a>, RunError> {
         let clock = ProcessorClock::start();
         let scene = assemble(spec, modelling, problem.models)?;
         let key = Key::new("set-up").and_scene(spec, modelling);
         let setup_s =
             (problem.runner).piece(key, || Ok::<_, RunError>(clock.elapsed().as_secs_f64()))?;
-        Ok(Trial {
+        Ok(WindowModel {
             spec,
             modelling,
             problem,

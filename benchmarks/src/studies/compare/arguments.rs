@@ -1,6 +1,6 @@
 //! Arguments of `compare`.
 
-use crate::cli::arguments::{Insist, Timed};
+use crate::cli::arguments::{AnyReference, TimedOutput};
 use crate::cli::values::DEFAULT_SCENE;
 use clap::Args;
 
@@ -43,7 +43,7 @@ pub struct Compare {
     pub yardstick: Option<String>,
     /// Where results go, how long a run may take, how often it is timed.
     #[command(flatten)]
-    pub run: Timed,
+    pub run: TimedOutput,
     /// Number of frames of each run to write for ParaView, evenly spaced: displaced bodies of all gears with contact
     /// forces and pressures
     ///
@@ -64,7 +64,7 @@ pub struct Compare {
     pub no_events: bool,
     /// Whether a reference of other gears will do.
     #[command(flatten)]
-    pub insist: Insist,
+    pub insist: AnyReference,
 }
 
 impl Default for Compare {
@@ -75,11 +75,11 @@ impl Default for Compare {
             models: None,
             integrators: None,
             yardstick: None,
-            run: Timed::default(),
+            run: TimedOutput::default(),
             vtu: None,
             vtu_window: Vec::new(),
             no_events: false,
-            insist: Insist::default(),
+            insist: AnyReference::default(),
         }
     }
 }

@@ -3,10 +3,10 @@
 use super::arguments::Compare;
 use super::summary::summarise;
 use super::{FramePlan, Plan, compare};
-use crate::cli::answer::Answer;
+use crate::cli::command_result::CommandResult;
 use crate::cli::exit::Exit;
 use crate::cli::study_folder::StudyFolder;
-use crate::cli::terminal::{Refusal, absolute, references_of, refuse_run, say};
+use crate::cli::terminal::{Refusal, absolute, print_line, references_of, refuse_run};
 use crate::experiment::conditions::Conditions;
 use crate::experiment::run::RunError;
 use crate::experiment::settings::settings;
@@ -15,7 +15,7 @@ use gearbench_integrators::Scheme;
 use gearbench_reports::Study;
 
 /// Runs the comparison and writes its folder.
-pub fn run(args: &Compare, command: &str) -> Result<Answer, Refusal> {
+pub fn run(args: &Compare, command: &str) -> Result<CommandResult, Refusal> {
     let mut scene = scene_file::load_for(&args.scene, Selection::Labels(args.models.as_deref()))?;
     let references = references_of(&mut scene, &args.insist)?;
     let choices = scene.select(args.models.as_deref())?;
@@ -26,7 +26,7 @@ pub fn run(args: &Compare, command: &str) -> Result<Answer, Refusal> {
             repeats: args.run.repeats,
             events: scene.study.events && !args.no_events,
             timeout: args.run.bounded.timeout(),
-            ..Conditions::of(&scene).held_against(&references)
+            ..Conditions::of(&scene).compared_with(&references)
         },
         ..Plan::of(&scene, &choices, &references)
     };
@@ -59,7 +59,7 @@ pub fn run(args: &Compare, command: &str) -> Result<Answer, Refusal> {
         |results| {
             summarise(results);
             if let Some(frames) = frames.filter(|f| f.exists()) {
-                say(&format!(
+                print_line(&format!(
                     "frames for ParaView: {}",
                     absolute(frames).display()
                 ));

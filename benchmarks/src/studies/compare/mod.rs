@@ -14,7 +14,7 @@ mod yardstick;
 
 pub use plan::{FramePlan, Plan};
 pub use run::compare;
-pub use yardstick::{REFINED, Wanted};
+pub use yardstick::{REFINED, YardstickChoice};
 
 #[cfg(test)]
 mod shipped_tests;

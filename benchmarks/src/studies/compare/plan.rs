@@ -1,10 +1,10 @@
 //! Plan of a comparison: models, integrators, references and yardstick.
 
-use super::yardstick::{REFINED, Wanted};
+use super::yardstick::{REFINED, YardstickChoice};
 use crate::experiment::conditions::Conditions;
 use crate::experiment::configuration::Configuration;
 use crate::experiment::pictures::{Pictures, file_name};
-use crate::experiment::referenced::recorded;
+use crate::experiment::reference_series::recorded;
 use crate::scene_file::{ModelChoice, SceneError, SceneFile};
 use gearbench_integrators::Scheme;
 use gearbench_reference::data::Reference;
@@ -34,7 +34,7 @@ pub struct Plan<'a> {
     /// References that all models are compared with, measured or computed by other programs.
     pub references: Vec<ReferenceSeries>,
     /// Kind of yardstick that models are compared with.
-    pub wanted: Wanted,
+    pub wanted: YardstickChoice,
     /// Frequency above which the force of a mesh counts as ripple [Hz].
     pub ripple_above: Option<f64>,
     /// Source of the published computing times.
@@ -53,7 +53,7 @@ impl Plan<'_> {
         references: &[Reference],
     ) -> Plan<'static> {
         Plan {
-            conditions: Conditions::of(scene).held_against(references),
+            conditions: Conditions::of(scene).compared_with(references),
             entries: choices
                 .iter()
                 .map(|c| Configuration::of(scene, c))
@@ -63,8 +63,8 @@ impl Plan<'_> {
                 .map(|r| recorded(r, &scene.spec))
                 .collect(),
             wanted: match &scene.study.reference_model {
-                Some(label) => Wanted::Named(label.clone()),
-                None => Wanted::Stored,
+                Some(label) => YardstickChoice::Named(label.clone()),
+                None => YardstickChoice::Stored,
             },
             ripple_above: scene.study.ripple_above,
             published: scene.study.published.clone(),
@@ -90,7 +90,7 @@ impl Plan<'_> {
             let more: Vec<Configuration> = more.map(|c| Configuration::of(scene, c)).collect();
             self.entries.extend(more);
         }
-        self.wanted = Wanted::of(scene, &self.entries, option);
+        self.wanted = YardstickChoice::of(scene, &self.entries, option);
         let of_models = self.tolerance.as_mut().filter(|t| t.against != SELF);
         if let (Some(tolerance), Some(name)) = (of_models, option) {
             tolerance.against = name.to_owned();

@@ -1,15 +1,15 @@
 //! Runs of a comparison, and their errors against references and yardstick.
 
 use super::plan::Plan;
-use super::yardstick::{REFINED, Wanted, most_detailed, of_entry, of_stored, refined};
+use super::yardstick::{REFINED, YardstickChoice, most_detailed, of_entry, of_stored, refined};
 use crate::experiment::configuration::Configuration;
-use crate::experiment::converged::{Found, candidates, of_model};
+use crate::experiment::converged::{ConvergedResult, candidates, of_model};
+use crate::experiment::decimation::decimate_run;
 use crate::experiment::key::Key;
 use crate::experiment::run::{Job, LEFT_OUT, NO_BOUND, RunError, run};
 use crate::experiment::runner::Runner;
 use crate::experiment::small_signals::mesh_modes;
 use crate::experiment::status::{against_contact, judge};
-use crate::experiment::thin::thin_row;
 use gearbench_integrators::Scheme;
 use gearbench_models::spec::MeshSpec;
 use gearbench_reports::comparison::{CompareRecord, Kind, Yardstick};
@@ -45,7 +45,7 @@ pub fn compare(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, RunError
         _ => None,
     };
     let mut no_refined = String::new();
-    if let Wanted::Refined(problem) = &plan.wanted {
+    if let YardstickChoice::Refined(problem) = &plan.wanted {
         match refined(plan, problem, runner)? {
             Ok(made) => {
                 references.insert(0, made.reference);
@@ -53,7 +53,8 @@ pub fn compare(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, RunError
             }
             Err(why) => {
                 no_refined = format!("no refined gears were made: {why}");
-                wanted = most_detailed(&plan.entries).map_or(Wanted::Stored, Wanted::MostDetailed);
+                wanted = most_detailed(&plan.entries)
+                    .map_or(YardstickChoice::Stored, YardstickChoice::MostDetailed);
                 if let (Some(t), Some(label)) = (
                     tolerance.as_mut().filter(|t| t.against == REFINED),
                     wanted.label(),
@@ -79,7 +80,7 @@ pub fn compare(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, RunError
                 ..plan.conditions.job(of, method, &grid)
             }
         };
-        let mut own: Option<Found> = None;
+        let mut own: Option<ConvergedResult> = None;
         let asked = plan.methods_of(entry);
         let mut pictured = false;
         for method in plan.methods_of(entry) {
@@ -88,11 +89,11 @@ pub fn compare(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, RunError
                 pictures: pictures.as_ref(),
                 ..job(method)
             };
-            let tell = |what: &dyn Display| {
+            let report = |what: &dyn Display| {
                 let what = format!("{}, {what}", entry.label);
-                runner.tell(done + runs.len(), plan.len(), &what);
+                runner.report_progress(done + runs.len(), plan.len(), &what);
             };
-            tell(&method.method);
+            report(&method.method);
             let held = (
                 &references,
                 &tolerance,
@@ -108,7 +109,7 @@ pub fn compare(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, RunError
                 let own = match &mut own {
                     Some(own) => own,
                     none => {
-                        tell(&"converged solution");
+                        report(&"converged solution");
                         let candidates = candidates(&row, asked);
                         // Neither the time that a run may take nor the machine has any part in it.
                         let job = Job {
@@ -151,7 +152,7 @@ pub fn compare(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, RunError
                 references.insert(0, reference_of(entry, &row, series));
                 if yardstick.is_none() {
                     let kind = match wanted {
-                        Wanted::Named(_) => Kind::Named,
+                        YardstickChoice::Named(_) => Kind::Named,
                         _ => Kind::Model,
                     };
                     let metric = tolerance
@@ -167,8 +168,8 @@ pub fn compare(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, RunError
             } else {
                 pictured = row.contacts.is_some();
             }
-            thin_row(&mut row);
-            runner.keeps(&row);
+            decimate_run(&mut row);
+            runner.reserve_memory(&row);
             runs.push(row);
         }
     }
@@ -182,7 +183,7 @@ pub fn compare(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, RunError
     if let Some(e) = refused.filter(|_| runs.is_empty()) {
         return Err(e);
     }
-    runner.tell(runs.len(), plan.len(), "report");
+    runner.report_progress(runs.len(), plan.len(), "report");
     let mesh_modes = mesh_modes(&plan.entries, plan.conditions.models, runner)?;
     Ok(Results {
         mesh_modes,
@@ -241,7 +242,7 @@ fn measure_against(
     method: &Scheme,
     (tolerance, yardstick): (Option<&Tolerance>, Option<&Yardstick>),
     references: &[ReferenceSeries],
-    own: &Found,
+    own: &ConvergedResult,
 ) {
     let Ok(run) = row.finished() else { return };
     let own = match own {

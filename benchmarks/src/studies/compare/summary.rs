@@ -1,6 +1,6 @@
 //! Terminal summary of a record of `compare`.
 
-use crate::cli::terminal::say;
+use crate::cli::terminal::print_line;
 use crate::experiment::run::LEFT_OUT;
 use gearbench_reports::numbers::{digits_apart, short};
 use gearbench_reports::record::{Results, Run, SELF, Status};
@@ -24,7 +24,7 @@ pub fn summarise(results: &Results) {
     let heading = of_model.map_or_else(String::new, |(id, metric)| {
         format!("{} against {id}", metric.words())
     });
-    say(&format!(
+    print_line(&format!(
         "{:<24} {:<30} {:>10} {:>9} {:>8} {:>12}  {heading}",
         "model", "integrator", "step/rtol", "cpu", "steps", "integration"
     ));
@@ -65,7 +65,7 @@ pub fn summarise(results: &Results) {
             (Status::Inaccurate, Some(e)) => format!("{e}, {}: {}", r.status, message()),
             (status, _) => format!("{status}: {}", message()),
         };
-        say(&format!(
+        print_line(&format!(
             "{:<24} {:<30} {:>10} {:>9} {:>8} {:>12}  {}",
             r.model_label(),
             r.integrator,
@@ -77,10 +77,10 @@ pub fn summarise(results: &Results) {
         ));
     }
     for (model, own) in own_solutions(results) {
-        say(&format!("{SELF} of {model}: {own}"));
+        print_line(&format!("{SELF} of {model}: {own}"));
     }
     for (what, pair) in results.settings.iter().filter(|(what, _)| what == LEFT_OUT) {
-        say(&format!("{what}: {pair}"));
+        print_line(&format!("{what}: {pair}"));
     }
     let failed = results
         .runs
@@ -88,7 +88,7 @@ pub fn summarise(results: &Results) {
         .filter(|r| r.status.is_failure())
         .count();
     if failed > 0 {
-        say(&format!(
+        print_line(&format!(
             "{failed} of {} runs failed; they are recorded as failures",
             results.runs.len()
         ));
@@ -97,13 +97,13 @@ pub fn summarise(results: &Results) {
     let count = |status| gated().filter(|r| r.status == status).count();
     let [inaccurate, unchecked] = [Status::Inaccurate, Status::Unchecked].map(count);
     if results.tolerance.is_some() && inaccurate + unchecked > 0 {
-        say(&format!(
+        print_line(&format!(
             "of {} runs {inaccurate} are beyond the scene's tolerance, and {unchecked} were not judged by it: a run that was not judged has not passed",
             results.runs.len()
         ));
     }
     for sentence in finding(results).unwrap_or_default() {
-        say(&sentence);
+        print_line(&sentence);
     }
 }
 

@@ -29,7 +29,7 @@ use crate::models::models;
 use crate::scene_file::SceneFile;
 use crate::studies::choose::detail::Details;
 use crate::studies::choose::plan::{elastic, fine_step};
-use crate::studies::choose::problem::{Flexible, Problem};
+use crate::studies::choose::problem::{ElasticSettings, Problem};
 use crate::studies::choose::refinement::{
     error_of_mesh, error_of_modes, error_of_step, steps_per_contact,
 };
@@ -60,7 +60,7 @@ const COUPLED_RTOL: f64 = 1e-6;
 
 /// Kind of yardstick with which a comparison compares its models.
 #[derive(Clone, Debug, Default)]
-pub enum Wanted {
+pub enum YardstickChoice {
     /// Stored references of the scene, if it has any.
     #[default]
     Stored,
@@ -72,26 +72,33 @@ pub enum Wanted {
     Refined(Box<Problem>),
 }
 
-impl Wanted {
+impl YardstickChoice {
     /// Returns the kind of yardstick of the option `--yardstick`, else of the scene.
-    pub fn of(scene: &SceneFile, entries: &[Configuration], option: Option<&str>) -> Wanted {
-        let refined = || Wanted::Refined(Box::new(Problem::of(scene)));
+    pub fn of(
+        scene: &SceneFile,
+        entries: &[Configuration],
+        option: Option<&str>,
+    ) -> YardstickChoice {
+        let refined = || YardstickChoice::Refined(Box::new(Problem::of(scene)));
         let against = scene.tolerance.as_ref().map(|t| t.against.as_str());
         match (option, &scene.study.reference_model) {
             (Some(REFINED), _) => refined(),
-            (Some(label), _) => Wanted::Named(label.to_owned()),
-            (None, Some(label)) => Wanted::Named(label.clone()),
+            (Some(label), _) => YardstickChoice::Named(label.to_owned()),
+            (None, Some(label)) => YardstickChoice::Named(label.clone()),
             (None, None) if against == Some(REFINED) => refined(),
-            (None, None) if scene.references.iter().any(|r| r.is_of_the_scene()) => Wanted::Stored,
-            (None, None) => most_detailed(entries).map_or(Wanted::Stored, Wanted::MostDetailed),
+            (None, None) if scene.references.iter().any(|r| r.is_of_the_scene()) => {
+                YardstickChoice::Stored
+            }
+            (None, None) => most_detailed(entries)
+                .map_or(YardstickChoice::Stored, YardstickChoice::MostDetailed),
         }
     }
 
     /// Returns the label of the model that serves as yardstick.
     pub fn label(&self) -> Option<&str> {
         match self {
-            Wanted::MostDetailed(label) | Wanted::Named(label) => Some(label),
-            Wanted::Stored | Wanted::Refined(_) => None,
+            YardstickChoice::MostDetailed(label) | YardstickChoice::Named(label) => Some(label),
+            YardstickChoice::Stored | YardstickChoice::Refined(_) => None,
         }
     }
 }
@@ -132,14 +139,14 @@ pub struct Refined {
 /// Variant of the refined gears: elements, modes and step.
 #[derive(Clone, Copy)]
 struct Variant<'a> {
-    flexible: &'a Flexible,
+    flexible: &'a ElasticSettings,
     modes: usize,
     /// Step over that of the finest run.
     coarser: f64,
 }
 
 /// Runs refined gears in several ways.
-struct Maker<'a> {
+struct YardstickRunner<'a> {
     plan: &'a Plan<'a>,
     problem: &'a Problem,
     runner: &'a Runner<'a>,
@@ -171,7 +178,7 @@ pub fn refined(
         Ok(step) => step,
         Err(e) => return Ok(Err(e.to_string())),
     };
-    let mut maker = Maker {
+    let mut maker = YardstickRunner {
         plan,
         problem,
         runner,
@@ -179,7 +186,7 @@ pub fn refined(
         metric,
         begun: 0,
     };
-    maker.tell("mesh and modes of refined gears");
+    maker.report_progress("mesh and modes of refined gears");
     let details = Details::of(problem, MODES);
     let finest = Variant {
         flexible: details.judge(),
@@ -238,16 +245,16 @@ pub fn refined(
     }))
 }
 
-impl Maker<'_> {
-    fn tell(&self, what: &str) {
+impl YardstickRunner<'_> {
+    fn report_progress(&self, what: &str) {
         let what = format!("yardstick: {what}");
-        self.runner.tell(0, self.plan.len(), &what);
+        self.runner.report_progress(0, self.plan.len(), &what);
     }
 
     /// Runs a variant; the inner error is the reason why it does not reach its end.
     fn run(&mut self, what: &str, of: &Variant<'_>) -> Result<Result<Run, String>, RunError> {
         self.begun += 1;
-        self.tell(&format!("run {} of {RUNS}, {what}", self.begun));
+        self.report_progress(&format!("run {} of {RUNS}, {what}", self.begun));
         let modelling = elastic(of.flexible, of.modes, Some(self.step));
         let conditions = &self.plan.conditions;
         let grid = conditions.grid();
@@ -409,7 +416,7 @@ mod tests {
             parts.iter().all(|e| e.is_some_and(|e| e > 0.0)),
             "{parts:?}"
         );
-        let maker = Maker {
+        let maker = YardstickRunner {
             plan: &plan,
             problem: &problem,
             runner: &runner,

@@ -1,6 +1,6 @@
 //! Arguments of `coupling`.
 
-use crate::cli::arguments::Bounded;
+use crate::cli::arguments::BoundedOutput;
 use crate::cli::values::{DEFAULT_SCENE, number, positive, time};
 use crate::studies::stability::axis::spaced;
 use clap::Args;
@@ -64,7 +64,7 @@ pub struct Coupling {
     pub threads: Option<u32>,
     /// Where results go, and how long a run may take.
     #[command(flatten)]
-    pub run: Bounded,
+    pub run: BoundedOutput,
 }
 
 /// Communication steps.

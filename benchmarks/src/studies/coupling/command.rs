@@ -2,11 +2,11 @@
 
 use super::arguments::Coupling;
 use super::frames::frames;
-use super::plan::{ALLOWED, Entry, Plan, keeps_residual, truncated, usual_steps};
+use super::plan::{ALLOWED, Entry, Plan, default_steps, keeps_residual, truncated};
 use super::run::study;
 use super::stiffness::oscillator;
 use super::summary::summarise;
-use crate::cli::answer::Answer;
+use crate::cli::command_result::CommandResult;
 use crate::cli::exit::Exit;
 use crate::cli::study_folder::StudyFolder;
 use crate::cli::terminal::{Refusal, refuse_run, refuse_study};
@@ -31,7 +31,7 @@ const FINE: f64 = 0.05;
 const TRUNCATED_STEP: f64 = 2e-8;
 
 /// Runs the study and writes its folder.
-pub fn run(args: &Coupling, command: &str) -> Result<Answer, Refusal> {
+pub fn run(args: &Coupling, command: &str) -> Result<CommandResult, Refusal> {
     let mut scene = scene_file::load_for(&args.scene, Selection::None)?;
     let chosen: Vec<String> = (choices(&scene, args)?.iter())
         .map(|c| c.label.clone())
@@ -145,7 +145,7 @@ fn plan<'a>(scene: &SceneFile, args: &Coupling, command: &str) -> Result<Plan<'a
         let oscillator = oscillator(of.0, of.1, models(), &frames).ok().flatten();
         let steps = match &args.steps {
             Some(steps) => steps.0.clone(),
-            None => usual_steps(&method, oscillator, duration),
+            None => default_steps(&method, oscillator, duration),
         };
         if let Some(h) = steps.iter().find(|h| **h > duration) {
             return Err(Refusal::Input(miette::miette!(

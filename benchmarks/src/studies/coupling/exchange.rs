@@ -1,8 +1,8 @@
 //! Alternating integration of host and gears, and the energy balance between them.
 
-use super::course::Course;
-use super::frames::{Frame, Led};
+use super::frames::{Frame, PrescribedScene};
 use super::host::Hub;
+use super::step_polynomial::StepPolynomial;
 use crate::experiment::history::History;
 use crate::experiment::interruption;
 use gearbench_integrators::system::{Change, Outputs, SecondOrderSystem, State};
@@ -24,7 +24,7 @@ const SLIVER: f64 = 1e-6;
 
 /// Scheme of the coupling: extrapolation, interpolation and communication step.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Manner {
+pub struct CouplingScheme {
     /// Extrapolation of the forces on the hubs in the host.
     pub extrapolation: Extrapolation,
     /// Interpolation of the motions of the hubs in the gears.
@@ -50,7 +50,7 @@ pub struct Bounds {
 
 /// Result of a run in two coupled parts, host and gears.
 #[derive(Clone, Debug)]
-pub struct Exchanged {
+pub struct CoupledRun {
     /// Displacements and velocities of the hubs at the end.
     pub hubs: Vec<[f64; 2]>,
     /// Energy error of the coupling [J]: work on the host minus work of the gears on their hubs.
@@ -79,7 +79,7 @@ pub enum End {
 }
 
 /// Records a history, and the work that the gears give on their hubs.
-struct Given<'h> {
+struct HubWorkRecorder<'h> {
     history: &'h mut History,
     work: f64,
     out: Outputs,
@@ -87,7 +87,7 @@ struct Given<'h> {
     v: Vec<f64>,
 }
 
-impl Given<'_> {
+impl HubWorkRecorder<'_> {
     fn power(
         &mut self,
         sys: &mut dyn SecondOrderSystem,
@@ -98,7 +98,7 @@ impl Given<'_> {
     }
 }
 
-impl Sink for Given<'_> {
+impl Sink for HubWorkRecorder<'_> {
     fn accepted(&mut self, sys: &mut dyn SecondOrderSystem, step: &AcceptedStep<'_>) -> Control {
         self.history.accepted(sys, step);
         let h = step.to.t - step.from.t;
@@ -134,15 +134,15 @@ pub fn exchange(
     scene: &mut Scene,
     frames: &[Frame],
     method: &Scheme,
-    manner: Manner,
+    manner: CouplingScheme,
     bounds: Bounds,
     history: &mut History,
-) -> Exchanged {
+) -> CoupledRun {
     let begin = Instant::now();
     let mut s = scene.initial();
-    let mut gears = Led::new(scene, frames);
+    let mut gears = PrescribedScene::new(scene, frames);
     let mut integrator = method.method.build();
-    let mut given = Given {
+    let mut given = HubWorkRecorder {
         history,
         work: 0.0,
         out: Outputs::default(),
@@ -155,7 +155,7 @@ pub fn exchange(
     let mut work = Work::default();
     let (mut forces, mut watched) = (Vec::new(), vec![0.0; gears.layout().event_functions]);
     (&mut gears as &mut dyn SecondOrderSystem).begin(&mut s, bounds.events);
-    let mut found = Exchanged {
+    let mut found = CoupledRun {
         hubs: Vec::new(),
         energy: 0.0,
         largest: 0.0,
@@ -166,7 +166,7 @@ pub fn exchange(
     while s.t < bounds.t_end {
         gears.forces(s.at(), &mut forces);
         for (hub, force) in hubs.iter_mut().zip(&forces) {
-            hub.learn(s.t, *force);
+            hub.record_force(s.t, *force);
         }
         let from = s.t;
         let next = manner.step * (found.exchanges + 1) as f64;
@@ -178,9 +178,9 @@ pub fn exchange(
         for (i, hub) in hubs.iter_mut().enumerate() {
             let before = hub.at;
             taken += hub.advance([from, to], manner.extrapolation);
-            let course = Course::between(from, to - from, [before, hub.at], manner.motion);
-            frames[i].put(&mut s.q, course.c[0]);
-            frames[i].put(&mut s.v, course.c[1]);
+            let course = StepPolynomial::between(from, to - from, [before, hub.at], manner.motion);
+            frames[i].move_to(&mut s.q, course.c[0]);
+            frames[i].move_to(&mut s.v, course.c[1]);
             gears.courses[i] = course;
         }
         if !hubs.iter().flat_map(|h| h.at).all(f64::is_finite) {
@@ -209,8 +209,8 @@ pub fn exchange(
             break;
         }
         for (hub, frame) in hubs.iter().zip(frames) {
-            frame.put(&mut s.q, hub.at[0]);
-            frame.put(&mut s.v, hub.at[1]);
+            frame.move_to(&mut s.q, hub.at[0]);
+            frame.move_to(&mut s.v, hub.at[1]);
         }
         found.exchanges += 1;
         found.reached = s.t;

@@ -12,7 +12,7 @@
 //! like others: a frame along a line or a parabola without any error. Kicks that dashpots answer to implicitly do not move it
 //! ([`HalfStepImpulse::filter`]).
 
-use super::course::Course;
+use super::step_polynomial::StepPolynomial;
 use gearbench_integrators::system::{
     Change, Events, HalfStepImpulse, Layout, MemberContact, ModalSplit, Outputs, Report,
     SecondOrderSystem, State, StateView,
@@ -41,7 +41,7 @@ impl Frame {
     }
 
     /// Moves the whole gear so that the frame is at the displacement `at`.
-    pub fn put(&self, x: &mut [f64], at: f64) {
+    pub fn move_to(&self, x: &mut [f64], at: f64) {
         let by = at - self.mean(x);
         // A single coordinate is at the place itself, without rounding.
         match self.moves.as_slice() {
@@ -67,7 +67,7 @@ impl Frame {
 
 /// Reason why the hubs of a scene cannot be moved to a host.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum NoHost {
+pub enum HostError {
     /// The gears are on shafts or on a carrier.
     #[error("its gears are on shafts or on a carrier, whose motions are not those of single hubs")]
     Shafts,
@@ -81,15 +81,15 @@ pub enum NoHost {
     Shared(String),
 }
 
-impl NoHost {
+impl HostError {
     /// Returns advice on how to change the scene.
     pub fn help(&self) -> &'static str {
         match self {
-            NoHost::Shafts => {
+            HostError::Shafts => {
                 "use a scene of gears on separate hubs; `gearbench fmu` couples drivelines through torques on hubs"
             }
-            NoHost::NoneFree => "free a gear: mount = \"revolute\", or \"prismatic\" of a rack",
-            NoHost::Shared(_) => {
+            HostError::NoneFree => "free a gear: mount = \"revolute\", or \"prismatic\" of a rack",
+            HostError::Shared(_) => {
                 "remove the gyroscopic terms (spin_terms = \"none\"), or fix the tilt of the hub"
             }
         }
@@ -99,10 +99,10 @@ impl NoHost {
 /// Returns the frames of the free hubs of a scene.
 ///
 /// # Errors
-/// [`NoHost`].
-pub fn frames(spec: &SceneSpec, scene: &mut Scene) -> Result<Vec<Frame>, NoHost> {
+/// [`HostError`].
+pub fn frames(spec: &SceneSpec, scene: &mut Scene) -> Result<Vec<Frame>, HostError> {
     if !spec.shafts.is_empty() {
-        return Err(NoHost::Shafts);
+        return Err(HostError::Shafts);
     }
     let s = scene.initial();
     let mut masses = vec![0.0; s.q.len()];
@@ -110,7 +110,7 @@ pub fn frames(spec: &SceneSpec, scene: &mut Scene) -> Result<Vec<Frame>, NoHost>
     let mut found = Vec::new();
     for gear in scene.gears().iter().filter(|g| g.model.hub().is_free()) {
         if gear.model.coupled_mass().is_some() {
-            return Err(NoHost::Shared(gear.name.clone()));
+            return Err(HostError::Shared(gear.name.clone()));
         }
         let range = gear.range();
         let own = gear
@@ -129,31 +129,31 @@ pub fn frames(spec: &SceneSpec, scene: &mut Scene) -> Result<Vec<Frame>, NoHost>
         });
     }
     match found.is_empty() {
-        true => Err(NoHost::NoneFree),
+        true => Err(HostError::NoneFree),
         false => Ok(found),
     }
 }
 
 /// A scene whose hubs follow prescribed trajectories.
-pub struct Led<'a> {
+pub struct PrescribedScene<'a> {
     scene: &'a mut Scene,
     frames: &'a [Frame],
     /// Prescribed trajectory of each hub.
-    pub courses: Vec<Course>,
+    pub courses: Vec<StepPolynomial>,
     channels: Vec<String>,
     f: Vec<f64>,
     filter: Vec<f64>,
 }
 
-impl<'a> Led<'a> {
+impl<'a> PrescribedScene<'a> {
     /// Creates the scene with its hubs at rest.
     pub fn new(scene: &'a mut Scene, frames: &'a [Frame]) -> Self {
         let n = scene.layout().n;
         let of = |f: &Frame| format!("hub_force:{}", f.name);
-        Led {
+        PrescribedScene {
             scene,
             frames,
-            courses: vec![Course::default(); frames.len()],
+            courses: vec![StepPolynomial::default(); frames.len()],
             channels: frames.iter().map(of).collect(),
             f: vec![0.0; n],
             filter: Vec::new(),
@@ -178,9 +178,9 @@ impl<'a> Led<'a> {
     }
 
     /// Prescribes the accelerations of the frames by a derivative `of` their trajectories.
-    fn lead_accelerations(&self, a: &mut [f64], of: impl Fn(&Course) -> f64) {
+    fn lead_accelerations(&self, a: &mut [f64], of: impl Fn(&StepPolynomial) -> f64) {
         for (frame, course) in self.frames.iter().zip(&self.courses) {
-            frame.put(a, of(course));
+            frame.move_to(a, of(course));
         }
     }
 
@@ -197,7 +197,7 @@ impl<'a> Led<'a> {
     }
 }
 
-impl SecondOrderSystem for Led<'_> {
+impl SecondOrderSystem for PrescribedScene<'_> {
     fn layout(&self) -> Layout {
         self.scene.layout()
     }
@@ -258,7 +258,7 @@ impl SecondOrderSystem for Led<'_> {
     }
 }
 
-impl Events for Led<'_> {
+impl Events for PrescribedScene<'_> {
     fn begin(&mut self, s: &mut State, located: bool) {
         self.scene.begin(s, located);
     }
@@ -280,7 +280,7 @@ impl Events for Led<'_> {
     }
 }
 
-impl ModalSplit for Led<'_> {
+impl ModalSplit for PrescribedScene<'_> {
     fn oscillators(&self, omega: &mut [f64], zeta: &mut [f64]) {
         self.scene.oscillators(omega, zeta);
     }
@@ -317,7 +317,7 @@ impl ModalSplit for Led<'_> {
 }
 
 /// Histories see the channels of the scene; `output` has the forces on hubs in their place, and their power.
-impl Report for Led<'_> {
+impl Report for PrescribedScene<'_> {
     fn channels(&self) -> &[String] {
         &self.channels
     }

@@ -1,7 +1,7 @@
 //! The host: hubs under extrapolated forces and their own loads.
 
-use super::course::Course;
 use super::frames::Frame;
+use super::step_polynomial::StepPolynomial;
 use gearbench_reports::coupling::Extrapolation;
 
 /// Parts of a communication step of a host at least: classical Runge-Kutta steps, whose error is far below that of any
@@ -31,7 +31,7 @@ impl<'a> Hub<'a> {
     }
 
     /// Records the force on the hub at a communication point.
-    pub fn learn(&mut self, t: f64, force: f64) {
+    pub fn record_force(&mut self, t: f64, force: f64) {
         self.past.push((t, force));
         if self.past.len() > KEPT {
             self.past.remove(0);
@@ -40,7 +40,7 @@ impl<'a> Hub<'a> {
 
     /// Integrates the hub from one time to another and returns the work of the extrapolated force [J].
     pub fn advance(&mut self, [from, to]: [f64; 2], extrapolation: Extrapolation) -> f64 {
-        let course = Course::through(&self.past, extrapolation);
+        let course = StepPolynomial::through(&self.past, extrapolation);
         let h = (to - from) / f64::from(PARTS);
         let rate = |t: f64, [_, v, _]: [f64; 3]| {
             let force = course.value(t);

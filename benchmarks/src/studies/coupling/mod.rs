@@ -27,7 +27,7 @@
 //!
 //! | module | owns |
 //! |---|---|
-//! | `course` | extrapolation of forces, interpolation of motions |
+//! | `step_polynomial` | extrapolation of forces, interpolation of motions |
 //! | `frames` | the gears with prescribed trajectories of their hubs |
 //! | `host` | hubs under extrapolated forces and loads |
 //! | `exchange` | alternating integration of both parts, and the energy between them |
@@ -36,12 +36,12 @@
 
 pub(crate) mod arguments;
 pub(crate) mod command;
-mod course;
 mod exchange;
 mod frames;
 mod host;
 mod plan;
 mod run;
+mod step_polynomial;
 mod stiffness;
 mod summary;
 #[cfg(test)]

@@ -65,7 +65,7 @@ impl Plan<'_> {
 
 /// Returns the default communication steps [s]: the step of the gears doubled until the motion of hubs on their teeth
 /// cannot be resolved.
-pub fn usual_steps(method: &Scheme, oscillator: Option<[f64; 2]>, duration: f64) -> Vec<f64> {
+pub fn default_steps(method: &Scheme, oscillator: Option<[f64; 2]>, duration: f64) -> Vec<f64> {
     let most = duration / FEWEST;
     let last = oscillator.map_or(most, |[omega, _]| (LARGEST / omega).min(most));
     let first = match method.resolution {

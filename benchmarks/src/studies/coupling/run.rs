@@ -1,8 +1,9 @@
 //! Coupled runs on several threads, each compared with the run of its model as one system.
 
-use super::exchange::{Bounds, End, Exchanged, Manner, exchange};
+use super::exchange::{Bounds, CoupledRun, CouplingScheme, End, exchange};
 use super::plan::{ALLOWED, Entry, HOPELESS, Plan};
 use super::theory;
+use crate::experiment::decimation::decimate_run;
 use crate::experiment::error::StudyError;
 use crate::experiment::history::History;
 use crate::experiment::interruption;
@@ -12,14 +13,13 @@ use crate::experiment::run::{Job, NO_BOUND, RunError, run};
 use crate::experiment::runner::Runner;
 use crate::experiment::small_signals::assemble;
 use crate::experiment::status::{message_of, status_of};
-use crate::experiment::thin::thin_row;
 use gearbench_integrators::{Resolution, StepError};
 use gearbench_models::scene::Scene;
 use gearbench_reports::coupling::{Coupling, CouplingCell, CouplingRecord, Extrapolation, Motion};
 use gearbench_reports::metrics::compare;
 use gearbench_reports::numbers::short;
 use gearbench_reports::record::{Ledger, Part, Results, Run, Status, Tolerance, finite};
-use gearbench_reports::{Finished, Metric};
+use gearbench_reports::{FinishedRun, Metric};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -31,7 +31,7 @@ const BRACKET: f64 = 1.05;
 pub const WHOLE: &str = "one system";
 
 /// A line of the study: place of the model, and how it is coupled.
-type Line = (usize, Extrapolation, Motion);
+type ModelCoupling = (usize, Extrapolation, Motion);
 
 fn job<'j>(plan: &'j Plan<'_>, entry: &'j Entry, grid: &'j [f64]) -> Job<'j> {
     let of = &entry.configuration;
@@ -42,10 +42,14 @@ fn job<'j>(plan: &'j Plan<'_>, entry: &'j Entry, grid: &'j [f64]) -> Job<'j> {
 }
 
 /// The runs as one system.
-fn wholes(plan: &Plan<'_>, runner: &Runner<'_>, grid: &[f64]) -> Result<Vec<Run>, StudyError> {
+fn runs_as_one_system(
+    plan: &Plan<'_>,
+    runner: &Runner<'_>,
+    grid: &[f64],
+) -> Result<Vec<Run>, StudyError> {
     let one = |(i, entry): (usize, &Entry)| -> Result<Run, StudyError> {
         let label = &entry.configuration.label;
-        runner.tell(i, plan.len(), &format!("{label} as one system"));
+        runner.report_progress(i, plan.len(), &format!("{label} as one system"));
         let job = job(plan, entry, grid);
         let mut row = runner.row(job.key().and(&WHOLE), &entry.method, || {
             let mut row = run(&job)?;
@@ -68,7 +72,7 @@ fn wholes(plan: &Plan<'_>, runner: &Runner<'_>, grid: &[f64]) -> Result<Vec<Run>
 /// [`StudyError`]; runs that fail are cells.
 pub fn study(plan: &Plan<'_>, runner: &Runner<'_>, threads: usize) -> Result<Results, StudyError> {
     let grid = plan.conditions.grid();
-    let mut runs = wholes(plan, runner, &grid)?;
+    let mut runs = runs_as_one_system(plan, runner, &grid)?;
     let lines = plan.lines();
     let done = AtomicUsize::new(runs.len());
     let made: Mutex<Vec<Option<Coupling>>> = Mutex::new(vec![None; lines.len()]);
@@ -76,7 +80,7 @@ pub fn study(plan: &Plan<'_>, runner: &Runner<'_>, threads: usize) -> Result<Res
     let places: Vec<usize> = (0..lines.len()).collect();
     in_parallel(threads, &places, |&place| {
         let (entry, ..) = lines[place];
-        let about = About {
+        let about = SharedData {
             plan,
             runner,
             grid: &grid,
@@ -90,7 +94,7 @@ pub fn study(plan: &Plan<'_>, runner: &Runner<'_>, threads: usize) -> Result<Res
     })?;
     let couplings = std::mem::take(&mut *lock(&made));
     for row in &mut runs {
-        thin_row(row);
+        decimate_run(row);
         row.series = None;
     }
     Ok(Results {
@@ -108,7 +112,7 @@ pub fn study(plan: &Plan<'_>, runner: &Runner<'_>, threads: usize) -> Result<Res
 }
 
 /// Data that the runs of a line share.
-struct About<'a> {
+struct SharedData<'a> {
     plan: &'a Plan<'a>,
     runner: &'a Runner<'a>,
     grid: &'a [f64],
@@ -117,8 +121,8 @@ struct About<'a> {
     done: &'a AtomicUsize,
 }
 
-impl About<'_> {
-    fn line(&self, (_, extrapolation, motion): Line) -> Result<Coupling, StudyError> {
+impl SharedData<'_> {
+    fn line(&self, (_, extrapolation, motion): ModelCoupling) -> Result<Coupling, StudyError> {
         let Entry {
             configuration,
             method,
@@ -173,8 +177,9 @@ impl About<'_> {
         let done = self.done.fetch_add(1, Ordering::Relaxed);
         let label = &self.entry.configuration.label;
         let what = format!("{label}, {extrapolation}, {step:.1e} s");
-        self.runner.tell(done, self.plan.len().max(done), &what);
-        let manner = Manner {
+        self.runner
+            .report_progress(done, self.plan.len().max(done), &what);
+        let manner = CouplingScheme {
             extrapolation,
             motion,
             step,
@@ -202,7 +207,11 @@ impl About<'_> {
         found.filter(|e| *e > 0.0)
     }
 
-    fn cell(&self, scene: &mut Option<Scene>, manner: Manner) -> Result<CouplingCell, StudyError> {
+    fn cell(
+        &self,
+        scene: &mut Option<Scene>,
+        manner: CouplingScheme,
+    ) -> Result<CouplingCell, StudyError> {
         let job = job(self.plan, self.entry, self.grid);
         let scene = match scene {
             Some(scene) => scene,
@@ -236,7 +245,7 @@ impl About<'_> {
         let ledger = Ledger::default();
         let ends = [found.reached, job.t_end];
         if let (Ok(run), Some(whole)) = (
-            Finished::reached(&series, &ledger, ends),
+            FinishedRun::reached(&series, &ledger, ends),
             &self.whole.series,
         ) {
             let metrics = compare(run, whole, WHOLE);
@@ -248,7 +257,7 @@ impl About<'_> {
     }
 
     /// The label of a run, and why it has it.
-    fn label(&self, found: &Exchanged, cell: &CouplingCell) -> (Status, Option<String>) {
+    fn label(&self, found: &CoupledRun, cell: &CouplingCell) -> (Status, Option<String>) {
         let fixed = matches!(self.entry.method.resolution, Resolution::Step(_));
         let at = found.reached;
         match &found.end {

@@ -1,8 +1,8 @@
 //! Arguments of `identify`.
 
-use crate::cli::arguments::{Insist, Output};
+use crate::cli::arguments::{AnyReference, Output};
 use crate::cli::values::positive_load;
-use crate::scene_file::calibration::FittedTo;
+use crate::scene_file::calibration::CalibrationKind;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
 
@@ -39,7 +39,7 @@ reported and are not written, unless --write is used with --force.";
 
 /// Where constants are written to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum WriteTo {
+pub enum WriteTarget {
     /// The calibration file of the scene.
     Calibration,
     /// The scene file; the model then no longer uses a calibration.
@@ -47,9 +47,9 @@ pub enum WriteTo {
 }
 
 /// What to fit to, by its name.
-fn fitted_to() -> impl TypedValueParser<Value = FittedTo> {
-    let words = PossibleValuesParser::new(FittedTo::ALL.map(FittedTo::as_str));
-    words.map(|word| FittedTo::named(&word).unwrap_or_default())
+fn fitted_to() -> impl TypedValueParser<Value = CalibrationKind> {
+    let words = PossibleValuesParser::new(CalibrationKind::ALL.map(CalibrationKind::as_str));
+    words.map(|word| CalibrationKind::named(&word).unwrap_or_default())
 }
 
 /// A key with a value.
@@ -94,7 +94,7 @@ pub struct Identify {
     pub model: Option<String>,
     /// Data of the fit: impact, static or running (both together)
     #[arg(long, value_name = "WHAT", default_value = "impact", value_parser = fitted_to())]
-    pub to: FittedTo,
+    pub to: CalibrationKind,
     /// Keys of the parameters to fit [default: the parameters of the model that the data may determine]
     #[arg(long, value_name = "KEYS", value_delimiter = ',')]
     pub fit: Option<Vec<String>>,
@@ -130,13 +130,13 @@ pub struct Identify {
     pub peak_weight: f64,
     /// Write the constants to the calibration file of the scene, or to the scene itself (--write=scene)
     #[arg(long, value_name = "WHERE", num_args = 0..=1, require_equals = true, default_missing_value = "calibration")]
-    pub write: Option<WriteTo>,
+    pub write: Option<WriteTarget>,
     /// Where the record and the report go.
     #[command(flatten)]
     pub output: Output,
     /// Whether a reference of other gears will do.
     #[command(flatten)]
-    pub insist: Insist,
+    pub insist: AnyReference,
 }
 
 #[cfg(test)]

@@ -1,27 +1,27 @@
 //! `gearbench identify SCENE`: constants fitted to the scene's references, reported and, on request, written.
 
-use super::arguments::{Identify, WriteTo};
-use super::into_scene::{Written, write_scene};
-use super::parameters::Wishes;
+use super::arguments::{Identify, WriteTarget};
+use super::parameters::FitOptions;
+use super::scene_update::{FittedConstants, write_scene};
 use super::summary::summarise;
-use super::write::{told_of, write};
+use super::write::{errors_and_intervals, write};
 use super::{
     DataSet, FitPlan, Identification, IdentifyError, StaticTarget, histories as histories_of_fit,
     identify,
 };
-use crate::cli::answer::Answer;
+use crate::cli::command_result::CommandResult;
 use crate::cli::exit::Exit;
 use crate::cli::progress::Display;
 use crate::cli::study_folder::StudyFolder;
-use crate::cli::terminal::{Refusal, absolute, refuse_study, say, warn};
+use crate::cli::terminal::{Refusal, absolute, print_line, refuse_study, warn};
 use crate::experiment::conditions::{Conditions, silent};
 use crate::experiment::configuration::Configuration;
 use crate::experiment::error::StudyError;
 use crate::experiment::interruption;
-use crate::experiment::runner::{NotMade, attempt};
+use crate::experiment::runner::{WorkError, attempt};
 use crate::experiment::settings::settings;
 use crate::models::models;
-use crate::scene_file::references::Held;
+use crate::scene_file::references::LoadedReference;
 use crate::scene_file::{self, ModelChoice, SceneFile, Selection, did_you_mean};
 use gearbench_models::gear::table::properties_of;
 use gearbench_models::spec::{SceneSpec, mesh_layout};
@@ -34,7 +34,7 @@ use serde_json::json;
 const POSITIONS: usize = 24;
 
 /// Fits the models of a scene that have constants to fit, and writes the folder.
-pub fn run(args: &Identify, command: &str) -> Result<Answer, Refusal> {
+pub fn run(args: &Identify, command: &str) -> Result<CommandResult, Refusal> {
     // What is identified is built by its fits; statics leave all constants but one as the impact has them.
     let mut scene = match args.to.to_history() {
         true => scene_file::load_uncalibrated(&args.scene, Selection::None)?,
@@ -65,7 +65,7 @@ pub fn run(args: &Identify, command: &str) -> Result<Answer, Refusal> {
     let mut folder = StudyFolder::of(&args.output, &scene, Study::Identify.as_str())?;
     let runner = folder.runner(&silent);
     let mut found: Vec<(&ModelChoice, Identification)> = Vec::new();
-    let mut refused: Vec<(&ModelChoice, NotMade<IdentifyError>)> = Vec::new();
+    let mut refused: Vec<(&ModelChoice, WorkError<IdentifyError>)> = Vec::new();
     let mut names = String::new();
     for choice in &fitted {
         let plan = plan(&scene, choice, (&references, &statics), args);
@@ -82,7 +82,7 @@ pub fn run(args: &Identify, command: &str) -> Result<Answer, Refusal> {
             })
         };
         match attempt(fit) {
-            Ok(_) | Err(NotMade::Interrupted) if interruption::requested() => break,
+            Ok(_) | Err(WorkError::Interrupted) if interruption::requested() => break,
             Ok(fit) => found.push((choice, fit)),
             Err(why) => refused.push((choice, why)),
         }
@@ -106,7 +106,7 @@ pub fn run(args: &Identify, command: &str) -> Result<Answer, Refusal> {
     for (choice, why) in refused {
         let error = |e| folder.refuse(refuse(&scene, choice, e));
         let (status, why) = match why {
-            NotMade::Error(e) if none => return Err(error(e)),
+            WorkError::Error(e) if none => return Err(error(e)),
             why => why.row().map_err(error)?,
         };
         if none {
@@ -125,30 +125,30 @@ pub fn run(args: &Identify, command: &str) -> Result<Answer, Refusal> {
         ..Conditions::of(&scene)
     };
     let fits: Vec<_> = found.iter().map(|(_, f)| f.record.clone()).collect();
-    let told: Vec<_> = fits.iter().map(told).collect();
+    let told: Vec<_> = fits.iter().map(fit_to_json).collect();
     let results = conditions.record(Part::Identify(IdentifyRecord { fits, histories }));
     let answer = folder.finish(results, |_| Exit::Done, summarise)?;
     let answer = answer.with("reference", &names).with("models", told);
     if interruption::requested() {
-        say("no constants were written");
+        print_line("no constants were written");
         return Ok(answer);
     }
     if let Some(to) = args.write {
         let path = match to {
-            WriteTo::Calibration => write(
+            WriteTarget::Calibration => write(
                 &scene,
                 (args.to, &names),
                 &found,
                 command,
                 args.output.force,
             ),
-            WriteTo::Scene => write_scene(&scene, &into_scene(&found, args, command)),
+            WriteTarget::Scene => write_scene(&scene, &into_scene(&found, args, command)),
         };
         let path = absolute(path?);
-        say(&format!("written: {}", path.display()));
+        print_line(&format!("written: {}", path.display()));
         return Ok(answer.with("written", path));
     }
-    say(&format!(
+    print_line(&format!(
         "no constants were written; `--write` stores the constants for `calibration = \"{}\"`, `--write=scene` in the scene file",
         args.to.as_str()
     ));
@@ -161,7 +161,7 @@ fn into_scene<'a>(
     found: &[(&'a ModelChoice, Identification)],
     args: &Identify,
     command: &str,
-) -> Vec<Written<'a>> {
+) -> Vec<FittedConstants<'a>> {
     let of = |(choice, found): &(&'a ModelChoice, Identification)| {
         let constants = if args.output.force {
             found.all.clone()
@@ -172,9 +172,9 @@ fn into_scene<'a>(
         let data: Vec<String> = (found.data.iter())
             .map(|(name, key)| format!("{name} (data {key})"))
             .collect();
-        Written {
+        FittedConstants {
             choice,
-            constants: older.map_or(constants.clone(), |older| constants.beside(older)),
+            constants: older.map_or(constants.clone(), |older| constants.merged_with(older)),
             told: vec![
                 format!("written by {command}"),
                 format!(
@@ -182,7 +182,7 @@ fn into_scene<'a>(
                     data.join(" and "),
                     args.to.holds_for()
                 ),
-                told_of(&found.record),
+                errors_and_intervals(&found.record),
             ],
         }
     };
@@ -190,7 +190,7 @@ fn into_scene<'a>(
 }
 
 /// Returns a fit as JSON, for programs.
-fn told(fit: &gearbench_reports::identify::FitRecord) -> serde_json::Value {
+fn fit_to_json(fit: &gearbench_reports::identify::FitRecord) -> serde_json::Value {
     let data = |d: &gearbench_reports::identify::DataRecord| {
         json!({
             "name": d.name, "kind": d.kind, "validation": d.validation, "l2": d.l2,
@@ -211,7 +211,7 @@ fn calibrated(choice: &ModelChoice) -> bool {
 }
 
 /// Returns the name of a reference.
-fn name_of(held: &Held) -> &str {
+fn name_of(held: &LoadedReference) -> &str {
     held.named.stored().unwrap_or(&held.named.name)
 }
 
@@ -219,12 +219,12 @@ fn name_of(held: &Held) -> &str {
 fn plan<'a>(
     scene: &SceneFile,
     choice: &ModelChoice,
-    (references, statics): (&[Held], &Option<(String, StaticTarget)>),
+    (references, statics): (&[LoadedReference], &Option<(String, StaticTarget)>),
     args: &Identify,
 ) -> FitPlan<'a> {
     let spec: SceneSpec = scene.spec_for(choice);
     let gap = |scene: &SceneFile| scene.spec.meshes.first().map_or(0.0, |m| m.start.gap);
-    let of_reference = |held: &&Held| {
+    let of_reference = |held: &&LoadedReference| {
         let (time, force) = held.data.force()?;
         let own = &held.scene;
         // Beyond the scene's duration the reference may lack what the scene has, as the other flanks.
@@ -238,7 +238,7 @@ fn plan<'a>(
             ..DataSet::history(name, &own.spec_for(choice), &time[..n], &force[..n])
         })
     };
-    let (held_out, fitted): (Vec<&Held>, Vec<&Held>) =
+    let (held_out, fitted): (Vec<&LoadedReference>, Vec<&LoadedReference>) =
         references.iter().partition(|held| held.is_held_out());
     let statics = statics.as_ref().map(|(label, target)| DataSet {
         weight: args.static_weight,
@@ -256,7 +256,7 @@ fn plan<'a>(
             .chain(statics)
             .collect(),
         held_out: held_out.iter().filter_map(of_reference).collect(),
-        wishes: Wishes {
+        wishes: FitOptions {
             fit: args.fit.clone(),
             held: args.hold.clone(),
             starts: args.start.clone(),
@@ -277,10 +277,10 @@ fn refuse(scene: &SceneFile, choice: &ModelChoice, e: IdentifyError) -> Refusal 
 }
 
 /// Returns the references whose histories are fitted or held out, at least one to fit.
-fn histories_of(scene: &mut SceneFile, args: &Identify) -> Result<Vec<Held>, Refusal> {
+fn histories_of(scene: &mut SceneFile, args: &Identify) -> Result<Vec<LoadedReference>, Refusal> {
     let known = scene.odd.len();
-    let mut references = scene.held(args.insist.any_reference)?;
-    (scene.odd[known..].iter()).for_each(|odd| warn(&odd.told()));
+    let mut references = scene.load_references(args.insist.any_reference)?;
+    (scene.odd[known..].iter()).for_each(|odd| warn(&odd.to_text()));
     references.retain(|held| held.data.force().is_some());
     let fitted = || references.iter().filter(|held| !held.is_held_out());
     let names: Vec<&str> = fitted().map(name_of).collect();

@@ -70,7 +70,7 @@ fn constants_of_single_gears_are_found_again() {
         ("pinion.tooth_mass_kg", 4e-3),
         ("wheel.tooth_mass_kg", 7e-3),
     ];
-    let held = Constants::of(truth).beside(&Constants::of([(GAP, 3e-6)]));
+    let held = Constants::of(truth).merged_with(&Constants::of([(GAP, 3e-6)]));
     for (speed, name) in [(20.0, "slow"), (60.0, "fast")] {
         let set = made(&plan, impact(&spec, speed, name), &held, 1e-4);
         plan.data.push(set);

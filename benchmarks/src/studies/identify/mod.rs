@@ -6,9 +6,9 @@
 //! | `parameters` | parameters with starting values and bounds |
 //! | [`estimate`] | the mathematics: fit, intervals under correlated errors, identifiability |
 //! | `run` | the model on the data, and the record of the fit |
-//! | `explain` | combinations that are not determined, in words |
+//! | `explanation` | combinations that are not determined, in words |
 //! | [`write`] | the calibration file |
-//! | `into_scene` | constants in the scene file itself |
+//! | `scene_update` | constants in the scene file itself |
 //!
 //! Residuals are the differences of the contact force on the data's own times over the size of the data, so that the fit
 //! minimises the relative L2 error that reports show, and of the static compliance over a mesh cycle likewise. Several
@@ -30,16 +30,16 @@
 //! all that they tell), or both at once.
 
 pub(crate) mod arguments;
-mod chosen;
 pub(crate) mod command;
 #[cfg(test)]
 mod course_tests;
 pub mod estimate;
-mod explain;
-mod into_scene;
+mod explanation;
+mod fit_parameters;
 mod parameters;
 mod plan;
 mod run;
+mod scene_update;
 #[cfg(test)]
 mod sensitivity_tests;
 mod summary;
@@ -47,7 +47,7 @@ mod summary;
 mod tests;
 mod write;
 
-pub use chosen::Chosen;
-pub use parameters::{CLOCK, Parameter, Wishes};
+pub use fit_parameters::FitParameters;
+pub use parameters::{CLOCK, FitOptions, Parameter};
 pub use plan::{Data, DataSet, FitPlan, Identification, IdentifyError, StaticTarget, apply};
 pub use run::{histories, identify, modelled};

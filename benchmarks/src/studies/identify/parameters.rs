@@ -10,8 +10,8 @@
 //! | any positive parameter of the gear model | gears that take the model | logarithm; dampers linear |
 //! | `GEAR.` and such a parameter | that gear alone | likewise |
 
-use super::chosen::Chosen;
 use super::estimate::coordinates::{Coordinate, Scale};
+use super::fit_parameters::FitParameters;
 use super::plan::{Data, DataSet, IdentifyError};
 use crate::scene_file::calibration::{CURVATURE, DAMPING, GAP, SLOPE, STIFFNESS, of_gear};
 use gearbench_models::gear::table::{Model, properties_of};
@@ -42,7 +42,7 @@ pub enum Parameter {
 
 /// User options of a fit that replace the defaults.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Wishes {
+pub struct FitOptions {
     /// Keys to fit; `None` takes those of the model that the data may determine.
     pub fit: Option<Vec<String>>,
     /// Keys with their fixed values.
@@ -158,8 +158,8 @@ fn coordinate(key: &str, spec: &SceneSpec, duration: f64) -> Coordinate {
 pub fn choose(
     (spec, modelling, models): (&SceneSpec, &Modelling, &[Model]),
     data: &[DataSet],
-    wishes: &Wishes,
-) -> Result<Chosen, IdentifyError> {
+    wishes: &FitOptions,
+) -> Result<FitParameters, IdentifyError> {
     let id = modelling.gears.first().map_or("", |g| g.id.as_str());
     let recipe = properties_of(models, id).fit;
     let (Some(recipe), Some(model)) = (recipe, models.iter().find(|m| m.id == id)) else {
@@ -211,7 +211,7 @@ pub fn choose(
     };
     let count = starts_of(None).len();
 
-    let mut chosen = Chosen::default();
+    let mut chosen = FitParameters::default();
     let mut columns: Vec<Vec<f64>> = Vec::new();
     for key in &wanted {
         let given = |list: &[(String, f64)]| list.iter().find(|(k, _)| k == key).map(|(_, x)| *x);

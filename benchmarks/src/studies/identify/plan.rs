@@ -1,7 +1,7 @@
 //! Plan of an identification: the data sets, the model and its parameters, and the result.
 
-use super::chosen::Chosen;
-use super::parameters::Wishes;
+use super::fit_parameters::FitParameters;
+use super::parameters::FitOptions;
 use crate::experiment::error::ModelRefusal;
 use crate::experiment::journal::JournalError;
 use crate::experiment::key::Key;
@@ -162,7 +162,7 @@ pub struct FitPlan<'a> {
     /// Data that the fitted model is compared with.
     pub held_out: Vec<DataSet>,
     /// User options: parameters to fit, fixed values, starts and bounds.
-    pub wishes: Wishes,
+    pub wishes: FitOptions,
 }
 
 /// Result of an identification: record, constants and data.
@@ -173,7 +173,7 @@ pub struct Identification {
     /// Values of all parameters at the minimum, those that are not identifiable included.
     pub all: Constants,
     /// Parameters of the fit with their starting points.
-    pub chosen: Chosen,
+    pub chosen: FitParameters,
     /// Names of the data that were fitted, each with a key to its values.
     pub data: Vec<(String, Key)>,
 }

@@ -1,18 +1,18 @@
 //! Fit of a model to its data.
 
-use super::chosen::Chosen;
 use super::estimate::{Estimate, Problem, estimate};
-use super::explain::undetermined;
+use super::explanation::undetermined;
+use super::fit_parameters::FitParameters;
 use super::parameters::choose;
 use super::plan::{
     Data, DataSet, FitPlan, Identification, IdentifyError, StaticTarget, apply, size,
 };
 use crate::experiment::conditions::Conditions;
+use crate::experiment::decimation::decimate;
 use crate::experiment::key::Key;
 use crate::experiment::run::{Job, RunError, force_on_grid, run};
 use crate::experiment::runner::Runner;
 use crate::experiment::small_signals::assemble;
-use crate::experiment::thin::thin;
 use crate::scene_file::calibration::Constants;
 use crate::scene_file::{ModelChoice, SceneFile};
 use gearbench_integrators::Resolution;
@@ -250,7 +250,7 @@ pub fn histories(
         let history = series.map(|series| FitHistory {
             label: choice.label.clone(),
             constants: set,
-            series: thin(series),
+            series: decimate(series),
         });
         all.push(history.ok_or_else(|| {
             let why = row.message.clone();
@@ -266,7 +266,7 @@ pub fn histories(
 
 fn record(
     plan: &FitPlan<'_>,
-    chosen: &Chosen,
+    chosen: &FitParameters,
     found: &Estimate,
     data: Vec<DataRecord>,
 ) -> FitRecord {

@@ -1,6 +1,6 @@
 //! Terminal summary of a record of `identify`.
 
-use crate::cli::terminal::say;
+use crate::cli::terminal::print_line;
 use gearbench_reports::identify::{DataRecord, FitRecord, Outcome, ParameterRecord};
 use gearbench_reports::record::Results;
 
@@ -10,20 +10,25 @@ pub fn summarise(results: &Results) {
 }
 
 fn one(f: &FitRecord) {
-    say(&format!(
+    print_line(&format!(
         "{}: {} evaluations; {} of {} starting points converged to this solution",
         f.label, f.evaluations, f.starts_agreed, f.starts
     ));
     for d in &f.data {
-        say(&format!("  {}", data(d)));
+        print_line(&format!("  {}", data(d)));
     }
     let widest = f.parameters.iter().map(|p| p.name.chars().count()).max();
     let widest = widest.unwrap_or(0);
     for p in &f.parameters {
-        say(&format!("  {:<widest$}  {}  {}", p.name, told(p), p.key));
+        print_line(&format!(
+            "  {:<widest$}  {}  {}",
+            p.name,
+            parameter_text(p),
+            p.key
+        ));
     }
     for text in &f.undetermined {
-        say(&format!("  {text}"));
+        print_line(&format!("  {text}"));
     }
 }
 
@@ -46,7 +51,7 @@ fn data(d: &DataRecord) -> String {
     )
 }
 
-fn told(p: &ParameterRecord) -> String {
+fn parameter_text(p: &ParameterRecord) -> String {
     let value = p.value.map_or_else(String::new, |x| format!("{x:>12.5e}"));
     match p.outcome {
         Outcome::Identified => {

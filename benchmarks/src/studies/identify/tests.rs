@@ -29,7 +29,7 @@ pub(super) fn plan(label: &str) -> (FitPlan<'static>, gearbench_models::spec::Sc
         models: models(),
         data: Vec::new(),
         held_out: Vec::new(),
-        wishes: Wishes::default(),
+        wishes: FitOptions::default(),
     };
     (plan, scene.spec_for(choice))
 }
@@ -122,9 +122,9 @@ fn what_the_data_do_not_tell_is_said_and_has_no_value() {
     let (plan, spec) = plan("movable-teeth");
     let with = |set: DataSet, noise: f64, fit: &[&str]| {
         let data = vec![made(&plan, set, &truth, noise)];
-        let wishes = Wishes {
+        let wishes = FitOptions {
             fit: keys(fit),
-            ..Wishes::default()
+            ..FitOptions::default()
         };
         fitted(&FitPlan {
             data,
@@ -176,9 +176,9 @@ fn dampers_are_found_or_end_on_their_bound() {
     for (c, outcome) in [(0.0, Outcome::AtBound), (80.0, Outcome::Identified)] {
         let truth = Constants::of([(STIFFNESS, 1.5e10), (GAP, 3e-6), (DAMPING, c)]);
         let data = vec![made(&plan, impact(&spec, 20.0, "impact"), &truth, 0.0)];
-        let wishes = Wishes {
+        let wishes = FitOptions {
             fit: keys(&[STIFFNESS, GAP, DAMPING]),
-            ..Wishes::default()
+            ..FitOptions::default()
         };
         let found = fitted(&FitPlan {
             data,

@@ -7,7 +7,7 @@ use super::plan::Identification;
 use crate::cli::files::write_whole;
 use crate::cli::terminal::Refusal;
 use crate::experiment::machine;
-use crate::scene_file::calibration::{Constants, FittedTo, of_gear};
+use crate::scene_file::calibration::{CalibrationKind, Constants, of_gear};
 use crate::scene_file::{Calibration, ModelChoice, SceneFile};
 use gearbench_reference::files;
 use gearbench_reports::identify::{FitRecord, Outcome};
@@ -19,7 +19,7 @@ use toml_edit::{DocumentMut, Item, Table, Value};
 /// Writes the constants that the data determine, with `force` all fitted ones.
 pub fn write(
     scene: &SceneFile,
-    (to, data): (FittedTo, &str),
+    (to, data): (CalibrationKind, &str),
     found: &[(&ModelChoice, Identification)],
     command: &str,
     force: bool,
@@ -63,7 +63,7 @@ pub fn write(
 /// The text of the file after a fit.
 fn written(
     before: &str,
-    to: FittedTo,
+    to: CalibrationKind,
     provenance: &[String],
     sets: &[(&FitRecord, Constants)],
 ) -> Result<String, toml_edit::TomlError> {
@@ -125,7 +125,7 @@ fn written(
         .filter(|l| !l.starts_with(&tag))
         .map(str::to_owned)
         .collect();
-    let labels = sets.iter().map(|(record, _)| told(record));
+    let labels = sets.iter().map(|(record, _)| fit_line(record));
     let lines = provenance.iter().cloned().chain(labels);
     head.extend(lines.map(|line| format!("{tag} {}", line.replace(['\n', '\r'], " "))));
     let body = document.to_string();
@@ -133,12 +133,12 @@ fn written(
 }
 
 /// A fit in a line, its model first.
-fn told(record: &FitRecord) -> String {
-    format!("{}: {}", record.label, told_of(record))
+fn fit_line(record: &FitRecord) -> String {
+    format!("{}: {}", record.label, errors_and_intervals(record))
 }
 
 /// Returns errors and intervals of a fit in one line.
-pub(super) fn told_of(record: &FitRecord) -> String {
+pub(super) fn errors_and_intervals(record: &FitRecord) -> String {
     let errors = record.data.iter().map(|d| {
         let held = if d.validation { ", not fitted" } else { "" };
         format!("{:.4} ({} of {}{held})", d.l2, d.kind, d.name)
@@ -181,7 +181,7 @@ mod tests {
             ("pinion.tooth_stiffness_n_per_m", 5e8),
         ]);
         let sets = [(&rigid, constants.clone()), (&record, constants.clone())];
-        let text = written(before, FittedTo::Impact, &["by hand".into()], &sets).unwrap();
+        let text = written(before, CalibrationKind::Impact, &["by hand".into()], &sets).unwrap();
         assert!(text.starts_with("# static: older\n# impact: by hand\n# impact: rigid:"));
         assert!(
             text.contains("# measured\n") && text.contains("# here\n"),
@@ -197,7 +197,7 @@ mod tests {
         assert_eq!(read.get("impact", &record.label), Some(&constants));
         assert!(read.get("static", "rigid").is_some());
         // Into nothing as well.
-        let text = written("", FittedTo::Static, &[], &sets).unwrap();
+        let text = written("", CalibrationKind::Static, &[], &sets).unwrap();
         let read = Calibration::parse("x.toml", &text).unwrap();
         assert_eq!(read.get("static", "rigid"), Some(&constants));
     }

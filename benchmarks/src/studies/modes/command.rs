@@ -2,24 +2,24 @@
 
 use super::arguments::Modes;
 use super::plan::Plan;
-use super::run::{Wanted, study};
+use super::run::{ModesSettings, study};
 use super::summary::summarise;
-use crate::cli::answer::Answer;
+use crate::cli::command_result::CommandResult;
 use crate::cli::exit::Exit;
 use crate::cli::study_folder::StudyFolder;
 use crate::cli::terminal::{Refusal, refuse_study};
 use crate::experiment::conditions::Conditions;
 use crate::experiment::configuration::Configuration;
-use crate::experiment::small_signals::taken;
+use crate::experiment::small_signals::selected_models;
 use crate::scene_file::{self, Selection};
 use gearbench_reports::Study;
-use gearbench_reports::modes::About;
+use gearbench_reports::modes::LinearisedState;
 use gearbench_reports::record::Results;
 
 /// Runs the study and writes its folder.
-pub fn run(args: &Modes, command: &str) -> Result<Answer, Refusal> {
+pub fn run(args: &Modes, command: &str) -> Result<CommandResult, Refusal> {
     let scene = scene_file::load_for(&args.scene, Selection::Labels(args.models.as_deref()))?;
-    let (taken, told) = taken(&scene, args.models.as_deref())?;
+    let (taken, told) = selected_models(&scene, args.models.as_deref())?;
     let plan = Plan {
         conditions: Conditions {
             command: command.to_string(),
@@ -27,7 +27,7 @@ pub fn run(args: &Modes, command: &str) -> Result<Answer, Refusal> {
             ..Conditions::of(&scene)
         },
         entries: taken.iter().map(|c| Configuration::of(&scene, c)).collect(),
-        wanted: Wanted {
+        wanted: ModesSettings {
             most: args.count as usize,
             up_to: args.up_to.unwrap_or(f64::INFINITY),
             group: args.group,
@@ -41,7 +41,7 @@ pub fn run(args: &Modes, command: &str) -> Result<Answer, Refusal> {
 
 /// A model without an equilibrium could not be solved.
 fn ended(results: &Results) -> Exit {
-    let lost = |v: &gearbench_reports::modes::ModelModes| v.about == About::NotFound;
+    let lost = |v: &gearbench_reports::modes::ModelModes| v.about == LinearisedState::NotFound;
     match results.vibrations().iter().any(lost) {
         true => Exit::FailedRun,
         false => Exit::Done,

@@ -19,4 +19,4 @@ mod shares;
 mod summary;
 
 pub use plan::Plan;
-pub use run::{Wanted, study, vibrations};
+pub use run::{ModesSettings, study, vibrations};

@@ -1,6 +1,6 @@
 //! Plan of a study of natural frequencies.
 
-use super::run::Wanted;
+use super::run::ModesSettings;
 use crate::experiment::conditions::Conditions;
 use crate::experiment::configuration::Configuration;
 
@@ -12,5 +12,5 @@ pub struct Plan<'a> {
     /// Models whose natural frequencies are computed.
     pub entries: Vec<Configuration>,
     /// Range of frequencies that are listed for each model.
-    pub wanted: Wanted,
+    pub wanted: ModesSettings,
 }

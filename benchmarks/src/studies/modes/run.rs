@@ -8,7 +8,9 @@ use crate::experiment::key::Key;
 use crate::experiment::runner::Runner;
 use crate::experiment::small_signals::mesh_mode::{FEW, mesh_mode_of, resonance, with_resonance};
 use crate::experiment::small_signals::motions::{Energies, Motion, SLACK, energies};
-use crate::experiment::small_signals::{Loaded, MOST, NotSolved, has_loads, loaded, settled};
+use crate::experiment::small_signals::{
+    LoadedState, LoadedStateError, MOST, has_loads, loaded, settled,
+};
 use gearbench_integrators::system::SecondOrderSystem;
 use gearbench_models::error::{BuildError, Fault};
 use gearbench_models::gear::table::Model;
@@ -16,7 +18,7 @@ use gearbench_models::scene::{Scene, StrainIn};
 use gearbench_models::spec::{Modelling, SceneSpec};
 use gearbench_reference::statics::StaticsError;
 use gearbench_reports::modes::{
-    About, MemberPlace, MeshState, ModeRecord, ModelModes, ModesRecord,
+    LinearisedState, MemberPlace, MeshState, ModeRecord, ModelModes, ModesRecord,
 };
 use gearbench_reports::record::{MeshMode, Part, Results};
 use std::f64::consts::TAU;
@@ -26,7 +28,7 @@ const WAY: f64 = 1e-6;
 
 /// Range and grouping of the natural frequencies that are listed for a model.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Wanted {
+pub struct ModesSettings {
     /// Largest number of frequencies that are listed.
     pub most: usize,
     /// Upper limit of the frequencies [Hz].
@@ -35,9 +37,9 @@ pub struct Wanted {
     pub group: f64,
 }
 
-impl Default for Wanted {
+impl Default for ModesSettings {
     fn default() -> Self {
-        Wanted {
+        ModesSettings {
             most: 30,
             up_to: f64::INFINITY,
             group: 1e-6,
@@ -53,7 +55,7 @@ pub fn vibrations(
     label: &str,
     (spec, modelling): (&SceneSpec, &Modelling),
     models: &[Model],
-    wanted: &Wanted,
+    wanted: &ModesSettings,
 ) -> Result<ModelModes, BuildError> {
     analysed(label, (spec, modelling), models, wanted).map(|(modes, _)| modes)
 }
@@ -63,7 +65,7 @@ fn analysed(
     label: &str,
     (spec, modelling): (&SceneSpec, &Modelling),
     models: &[Model],
-    wanted: &Wanted,
+    wanted: &ModesSettings,
 ) -> Result<(ModelModes, Option<MeshMode>), BuildError> {
     let spec = settled(spec);
     let mut scene = Scene::build(&spec, modelling, models)?;
@@ -77,15 +79,15 @@ fn analysed(
     };
     let loads = has_loads(&spec, 0.0);
     let found = match n {
-        0 => Err(NotSolved::Matrices("nothing in it can move")),
-        n if n > MOST => Err(NotSolved::TooLarge(n)),
+        0 => Err(LoadedStateError::Matrices("nothing in it can move")),
+        n if n > MOST => Err(LoadedStateError::TooLarge(n)),
         _ => loaded(&mut scene, loads),
     };
     let mesh_mode = loads.then(|| mesh_mode_of(label, &mut scene, found.as_ref()));
     match found {
         Ok(found) => fill(&mut record, &mut scene, &spec, (&found, loads), wanted),
         Err(why) => {
-            record.about = About::NotFound;
+            record.about = LinearisedState::NotFound;
             record.message = why.to_string();
         }
     }
@@ -127,16 +129,16 @@ fn fill(
     record: &mut ModelModes,
     scene: &mut Scene,
     spec: &SceneSpec,
-    (found, loads): (&Loaded, bool),
-    wanted: &Wanted,
+    (found, loads): (&LoadedState, bool),
+    wanted: &ModesSettings,
 ) {
     let squares = &found.modes.squares;
     let highest = found.highest_square();
     let all = found.motions();
     record.about = match found.pressed.iter().any(|f| *f > 0.0) {
-        false if !found.pressed.is_empty() => About::Apart,
-        _ if loads => About::Loaded,
-        _ => About::Preloaded,
+        false if !found.pressed.is_empty() => LinearisedState::Apart,
+        _ if loads => LinearisedState::Loaded,
+        _ => LinearisedState::Preloaded,
     };
     let unstable = squares.iter().filter(|x| **x < -SLACK * highest).count();
     if unstable > 0 {
@@ -144,7 +146,7 @@ fn fill(
             "{unstable} of its modes have a negative stiffness, caused by contact forces that follow the motion; they are \
              listed without a frequency"
         );
-    } else if record.about == About::Apart {
+    } else if record.about == LinearisedState::Apart {
         record.message =
             "no load closes the contacts: the frequencies are those of separate gears".into();
     }
@@ -200,7 +202,7 @@ fn fill(
 
 fn listed(
     scene: &Scene,
-    found: &Loaded,
+    found: &LoadedState,
     (springs, names): (&[StrainIn], &[String]),
     group: &MotionGroup,
 ) -> ModeRecord {
@@ -255,7 +257,7 @@ pub fn study(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, StudyError
             // What is finished is reported.
             break;
         }
-        runner.tell(done, plan.entries.len(), &entry.label);
+        runner.report_progress(done, plan.entries.len(), &entry.label);
         let scene = (&entry.scene, &entry.modelling);
         let label = entry.model_label();
         let key = (Key::new("modes").and_scene(scene.0, scene.1)).and(&(&label, &plan.wanted));
@@ -264,7 +266,7 @@ pub fn study(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, StudyError
                 Err(e) if e.fault == Fault::Model => Ok((
                     ModelModes {
                         label: label.clone(),
-                        about: About::NotFound,
+                        about: LinearisedState::NotFound,
                         message: e.to_string(),
                         ..ModelModes::default()
                     },
@@ -278,7 +280,7 @@ pub fn study(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, StudyError
         vibrations_of.push(found);
         mesh_modes.extend(mesh_mode);
     }
-    runner.tell(plan.entries.len(), plan.entries.len(), "report");
+    runner.report_progress(plan.entries.len(), plan.entries.len(), "report");
     let part = ModesRecord {
         vibrations: vibrations_of,
     };

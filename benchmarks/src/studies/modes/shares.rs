@@ -25,7 +25,7 @@ pub fn shape(scene: &Scene, s: &State, x: &[f64]) -> Vec<MemberShape> {
         }
         MemberShape {
             turn_rad: if hub.is_free() {
-                turn(g.model.as_ref(), own, along)
+                hub_rotation(g.model.as_ref(), own, along)
             } else {
                 0.0
             },
@@ -41,7 +41,7 @@ pub fn shape(scene: &Scene, s: &State, x: &[f64]) -> Vec<MemberShape> {
 }
 
 /// Turn of a hub with what own coordinates turn it by.
-fn turn(model: &dyn GearModel, _own: StateView<'_>, along: &[f64]) -> f64 {
+fn hub_rotation(model: &dyn GearModel, _own: StateView<'_>, along: &[f64]) -> f64 {
     along[0] + model.hub().over_shapes(along)
 }
 

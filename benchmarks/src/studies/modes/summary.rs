@@ -1,7 +1,7 @@
 //! Terminal summary of a record of `modes`.
 
-use crate::cli::terminal::say;
-use gearbench_reports::modes::{About, ModelModes};
+use crate::cli::terminal::print_line;
+use gearbench_reports::modes::{LinearisedState, ModelModes};
 use gearbench_reports::numbers::{short, significant};
 use gearbench_reports::record::Results;
 
@@ -11,11 +11,11 @@ const MOST: usize = 12;
 /// Prints the state and the lowest modes of each model.
 pub fn summarise(results: &Results) {
     for v in results.vibrations() {
-        say(&format!("{}: {}", v.label, state(v)));
-        if v.about == About::NotFound {
+        print_line(&format!("{}: {}", v.label, state(v)));
+        if v.about == LinearisedState::NotFound {
             continue;
         }
-        say(&format!(
+        print_line(&format!(
             "{:>14} {:>3} {:>9}  {}",
             "Hz", "x", "damping", "mode"
         ));
@@ -23,7 +23,7 @@ pub fn summarise(results: &Results) {
             let damping = m
                 .damping_ratio
                 .map_or(String::new(), |z| format!("{} %", short(100.0 * z, 3)));
-            say(&format!(
+            print_line(&format!(
                 "{:>14} {:>3} {damping:>9}  {}",
                 significant(m.frequency_hz, 5),
                 m.multiplicity,
@@ -32,7 +32,7 @@ pub fn summarise(results: &Results) {
         }
         let listed: usize = v.modes.iter().take(MOST).map(|m| m.multiplicity).sum();
         if listed < v.frequencies {
-            say(&format!(
+            print_line(&format!(
                 "{:>14} {} more, the highest at {} kHz",
                 "",
                 v.frequencies - listed,
@@ -47,7 +47,7 @@ fn state(v: &ModelModes) -> String {
         .map(|m| format!("{} {} N", m.name, short(m.force_n, 5)))
         .collect();
     let about = match (v.about, forces.is_empty()) {
-        (About::NotFound, _) => return v.message.clone(),
+        (LinearisedState::NotFound, _) => return v.message.clone(),
         (about, true) => about.to_string(),
         (about, false) => format!("{about}, {}", forces.join(", ")),
     };

@@ -1,6 +1,6 @@
 //! Arguments of `penalty`.
 
-use crate::cli::arguments::Bounded;
+use crate::cli::arguments::BoundedOutput;
 use crate::cli::values::{DEFAULT_LOAD, DEFAULT_SCENE, number, positions, positive_load};
 use clap::Args;
 
@@ -45,7 +45,7 @@ pub struct Penalty {
     pub positions: usize,
     /// Where results go, and how long a run may take.
     #[command(flatten)]
-    pub run: Bounded,
+    pub run: BoundedOutput,
 }
 
 fn penalty(text: &str) -> Result<f64, String> {

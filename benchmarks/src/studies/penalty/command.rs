@@ -4,7 +4,7 @@ use super::arguments::Penalty;
 use super::run::TAKE_POINTS;
 use super::summary::summarise;
 use super::{Plan, study};
-use crate::cli::answer::Answer;
+use crate::cli::command_result::CommandResult;
 use crate::cli::exit::Exit;
 use crate::cli::study_folder::StudyFolder;
 use crate::cli::terminal::{Refusal, refuse_study};
@@ -18,7 +18,7 @@ use gearbench_reports::Study;
 use gearbench_reports::numbers::{round_quantity, short};
 
 /// Runs the study and writes its folder.
-pub fn run(args: &Penalty, command: &str) -> Result<Answer, Refusal> {
+pub fn run(args: &Penalty, command: &str) -> Result<CommandResult, Refusal> {
     let scene = scene_file::load(&args.scene)?;
     let twin = |m: &&ModelChoice| scene.model(&format!("{}-hard", m.label)).is_some();
     let soft = |c: &ContactSpec| c.points.is_some_and(|p| p.has_penalty());

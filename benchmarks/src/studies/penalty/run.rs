@@ -2,10 +2,10 @@
 
 use super::plan::Plan;
 use crate::experiment::configuration::Configuration;
+use crate::experiment::decimation::decimate_run;
 use crate::experiment::error::StudyError;
 use crate::experiment::run::{Job, run};
 use crate::experiment::runner::Runner;
-use crate::experiment::thin::thin_row;
 use gearbench_reference::statics::{Load, LoadedPair, MeshCycle};
 use gearbench_reports::metrics::compare as measure;
 use gearbench_reports::record::{Part, ReferenceSeries, Results, Run, SELF};
@@ -53,7 +53,7 @@ pub fn study(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, StudyError
     let grid = plan.conditions.grid();
     let total = plan.penalties.len() + usize::from(plan.hard.is_some());
     let one = |entry: &Configuration, done: usize, what: &str| -> Result<Run, StudyError> {
-        runner.tell(done, total, what);
+        runner.report_progress(done, total, what);
         let method = (entry.methods.as_ref())
             .and_then(|m| m.first())
             .unwrap_or(&plan.method);
@@ -72,7 +72,7 @@ pub fn study(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, StudyError
         // One name for soft and hard contact: they are one model.
         row.model.clone_from(&plan.entry.model);
         row.variant = plan.entry.variant();
-        runner.keeps(&row);
+        runner.reserve_memory(&row);
         Ok(row)
     };
     let mut references = Vec::new();
@@ -115,9 +115,9 @@ pub fn study(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, StudyError
     }
     runs.extend(last);
     for row in &mut runs {
-        thin_row(row);
+        decimate_run(row);
     }
-    runner.tell(runs.len(), total, "report");
+    runner.report_progress(runs.len(), total, "report");
     Ok(Results {
         references,
         runs,

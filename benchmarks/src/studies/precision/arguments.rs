@@ -1,6 +1,6 @@
 //! Arguments of `precision`.
 
-use crate::cli::arguments::{Budgeted, Insist, Output};
+use crate::cli::arguments::{AnyReference, BudgetedOutput, Output};
 use crate::cli::values::{DEFAULT_REPEATS, metric, number, positive, time};
 use clap::Args;
 use gearbench_reports::Metric;
@@ -41,7 +41,7 @@ pub struct Precision {
     pub models: Option<String>,
     /// What is compared, and with what.
     #[command(flatten)]
-    pub asked: Asked,
+    pub asked: PrecisionOptions,
     /// Where results go.
     #[command(flatten)]
     pub output: Output,
@@ -58,15 +58,15 @@ pub struct Precision {
     pub timeout: f64,
     /// How long the whole study may take.
     #[command(flatten)]
-    pub budget: Budgeted,
+    pub budget: BudgetedOutput,
     /// Whether a reference of other gears will do.
     #[command(flatten)]
-    pub insist: Insist,
+    pub insist: AnyReference,
 }
 
 /// What the command line asks for; what it leaves out is the scene's.
 #[derive(Args, Clone, Debug, Default)]
-pub struct Asked {
+pub struct PrecisionOptions {
     /// Metrics separated by commas, the main one first [default: the metric of the scene's tolerance]
     #[arg(long = "metric", visible_alias = "metrics", value_name = "M,N", value_delimiter = ',', value_parser = metric)]
     pub metrics: Vec<Metric>,

@@ -3,7 +3,7 @@
 use super::arguments::Precision;
 use super::summary::summarise;
 use super::{Plan, study};
-use crate::cli::answer::Answer;
+use crate::cli::command_result::CommandResult;
 use crate::cli::exit::Exit;
 use crate::cli::study_folder::StudyFolder;
 use crate::cli::terminal::{Refusal, references_of, refuse_run};
@@ -18,7 +18,7 @@ use std::time::Duration;
 const TIMED: Duration = Duration::from_millis(25);
 
 /// Runs the study and writes its folder.
-pub fn run(args: &Precision, command: &str) -> Result<Answer, Refusal> {
+pub fn run(args: &Precision, command: &str) -> Result<CommandResult, Refusal> {
     let refused = |reason: String| {
         Refusal::from(SceneError::plain(
             reason,

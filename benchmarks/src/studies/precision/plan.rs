@@ -1,11 +1,11 @@
 //! Plan of a study of accuracy against cost: variants of models with their series of resolutions, and their references.
 
-use super::arguments::Asked;
-use super::references::{held_against, references};
+use super::arguments::PrecisionOptions;
+use super::references::{references, references_for};
 use super::resolutions::Resolutions;
 use crate::experiment::conditions::Conditions;
 use crate::experiment::configuration::Configuration;
-use crate::experiment::referenced::recorded;
+use crate::experiment::reference_series::recorded;
 use crate::scene_file::{ModelChoice, SceneFile};
 use gearbench_integrators::scheme::SchemeRequest;
 use gearbench_integrators::{MethodError, Scheme};
@@ -84,7 +84,7 @@ impl Plan<'_> {
         scene: &SceneFile,
         choices: &[&ModelChoice],
         elsewhere: &[Reference],
-        asked: &Asked,
+        asked: &PrecisionOptions,
     ) -> Result<Plan<'static>, String> {
         let own = &scene.study.precision;
         let recorded = elsewhere.iter().map(|r| recorded(r, &scene.spec));
@@ -96,7 +96,7 @@ impl Plan<'_> {
         let fulls = references(scene, choices, &variants, &external, asked)?;
         let mut settings = Vec::new();
         for variant in &mut variants {
-            let akin = held_against(scene, variant, &fulls, &external);
+            let akin = references_for(scene, variant, &fulls, &external);
             let stored = external.iter().map(|e| e.id.as_str());
             if variant
                 .entry
@@ -141,7 +141,7 @@ impl Plan<'_> {
                 duration: own.duration.unwrap_or(scene.duration),
                 settings,
                 max_steps: MOST_STEPS,
-                ..Conditions::of(scene).held_against(elsewhere)
+                ..Conditions::of(scene).compared_with(elsewhere)
             },
             variants,
             fulls,
@@ -158,7 +158,7 @@ impl Plan<'_> {
 }
 
 /// Returns the metrics of the command line, else those of the scene, else that of its tolerance.
-fn metrics(scene: &SceneFile, asked: &Asked) -> Vec<Metric> {
+fn metrics(scene: &SceneFile, asked: &PrecisionOptions) -> Vec<Metric> {
     if !asked.metrics.is_empty() {
         let mut each_once = asked.metrics.clone();
         let mut known = HashSet::new();
@@ -176,7 +176,7 @@ fn metrics(scene: &SceneFile, asked: &Asked) -> Vec<Metric> {
 fn variants_of(
     scene: &SceneFile,
     choice: &ModelChoice,
-    asked: &Asked,
+    asked: &PrecisionOptions,
 ) -> Result<Vec<Variant>, String> {
     let own = &scene.study.precision;
     let or_scene = |asked: &[f64], scene: &[f64]| {

@@ -1,7 +1,7 @@
 //! References of a study of accuracy against cost (full models on a fine step, the stored reference, the densest
 //! reduced model), and their assignment to contacts.
 
-use super::arguments::Asked;
+use super::arguments::PrecisionOptions;
 use super::plan::{FULL, Full, Variant};
 use crate::experiment::configuration::Configuration;
 use crate::scene_file::{ModelChoice, SceneFile};
@@ -29,7 +29,7 @@ pub(super) fn references(
     choices: &[&ModelChoice],
     variants: &[Variant],
     external: &[ReferenceSeries],
-    asked: &Asked,
+    asked: &PrecisionOptions,
 ) -> Result<Vec<Full>, String> {
     let densest = |label: Option<&str>| {
         let all = variants.iter().filter(|v| v.modes.is_some());
@@ -124,7 +124,7 @@ fn penalty(choice: &ModelChoice) -> String {
 
 /// True if two contacts between flank points have the same physics: the penalty, and its unit. The positions of the
 /// points are a matter of resolution.
-fn akin(a: &PointContact, b: &PointContact) -> bool {
+fn has_same_physics(a: &PointContact, b: &PointContact) -> bool {
     let each = |c: &PointContact| c.rule == PointRule::EachNode;
     a.hard == b.hard
         && a.local == b.local
@@ -144,7 +144,7 @@ fn points(entry: &Configuration) -> Option<&PointContact> {
 
 /// Returns the references of a variant: for models with flank points the ones with the same contact. Lines of action
 /// have no penalty and are compared with references whose penalty is one per area.
-pub(super) fn held_against(
+pub(super) fn references_for(
     scene: &SceneFile,
     variant: &Variant,
     fulls: &[Full],
@@ -153,7 +153,7 @@ pub(super) fn held_against(
     let own = points(&variant.entry);
     let per_area = |c: &PointContact| c.rule != PointRule::EachNode;
     let fits = |other: &Configuration| match (own, points(other)) {
-        (Some(a), Some(b)) => akin(a, b),
+        (Some(a), Some(b)) => has_same_physics(a, b),
         (None, Some(b)) => per_area(b),
         _ => true,
     };

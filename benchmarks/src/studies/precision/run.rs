@@ -3,18 +3,20 @@
 use super::plan::{Full, Plan, Variant};
 use crate::experiment::budget::NOT_TRIED;
 use crate::experiment::converged::{
-    Candidate, Converged, Found, SMALL, candidates, converged, exact_for_modes,
+    Candidate, Converged, ConvergedResult, SMALL, candidates, converged, exact_for_modes,
 };
+use crate::experiment::decimation::decimate;
 use crate::experiment::key::Key;
 use crate::experiment::run::{Job, LEFT_OUT, NO_BOUND, RunError, run, run_timed};
 use crate::experiment::runner::Runner;
 use crate::experiment::status::judge;
-use crate::experiment::thin::thin;
 use gearbench_integrators::{MethodSpec, Scheme};
 use gearbench_models::spec::{Modelling, SceneSpec};
 use gearbench_reports::metrics::{compare as measure, compare_all};
 use gearbench_reports::precision::PrecisionRecord;
-use gearbench_reports::record::{OwnSolution, Part, ReferenceSeries, Results, Run, SELF, Status};
+use gearbench_reports::record::{
+    ConvergedSettings, Part, ReferenceSeries, Results, Run, SELF, Status,
+};
 use gearbench_reports::series::TimeSeries;
 use std::fmt::Display;
 
@@ -57,7 +59,7 @@ pub fn study(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, RunError> 
                 full.id
             )));
         }
-        runner.tell(computed.len(), plan.len(), &what);
+        runner.report_progress(computed.len(), plan.len(), &what);
         let entry = &full.entry;
         let key = Key::new("reference")
             .and_scene(&entry.scene, &entry.modelling)
@@ -76,7 +78,7 @@ pub fn study(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, RunError> 
     let mut runs: Vec<Run> = Vec::with_capacity(plan.len());
     let mut done = plan.fulls.len();
     for variant in &plan.variants {
-        let mut own: Option<Found> = None;
+        let mut own: Option<ConvergedResult> = None;
         // Integrators that cannot run this model, or whose steps have become too many.
         let mut closed: Vec<MethodSpec> = Vec::new();
         for method in &variant.methods {
@@ -90,10 +92,10 @@ pub fn study(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, RunError> 
                 note(&mut notes, NOT_TRIED, rest);
                 continue;
             }
-            let tell = |what: &dyn Display| {
-                runner.tell(done - 1, plan.len(), &format!("{label}, {what}"));
+            let report = |what: &dyn Display| {
+                runner.report_progress(done - 1, plan.len(), &format!("{label}, {what}"));
             };
-            tell(&method.method);
+            report(&method.method);
             let job = study.job((&variant.entry.scene, &variant.entry.modelling), method);
             let held = (&variant.against, &plan.external, &full_names, plan.timed);
             let make = || {
@@ -101,11 +103,11 @@ pub fn study(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, RunError> 
                 let own = match &mut own {
                     Some(own) => own,
                     none => {
-                        tell(&"converged solution");
+                        report(&"converged solution");
                         let key = Key::new("converged solution")
                             .and_scene(job.scene, job.modelling)
                             .and(&(&study.grid, &variant.methods));
-                        let found: Found =
+                        let found: ConvergedResult =
                             runner.piece(key, || study.own_solution(variant, &row, &computed))?;
                         match &found {
                             Ok(own) => {
@@ -147,7 +149,7 @@ pub fn study(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, RunError> 
     if let Some((_, rest)) = notes.iter_mut().find(|(what, _)| what == NOT_TRIED) {
         *rest = format!("{}: {rest}", runner.budget().described());
     }
-    runner.tell(done, plan.len(), "report");
+    runner.report_progress(done, plan.len(), "report");
     let computed = computed.into_iter().map(|(r, _)| r);
     Ok(Results {
         settings: [plan.conditions.settings.clone(), notes].concat(),
@@ -209,7 +211,7 @@ fn measure_against(
     variant: &Variant,
     method: &Scheme,
     references: &[(&str, Vec<&TimeSeries>)],
-    own: &Found,
+    own: &ConvergedResult,
 ) {
     let mut metrics = Vec::new();
     let own = match own {
@@ -238,7 +240,7 @@ impl Study<'_> {
     }
 
     /// A job whose end no clock decides: all that runs are compared with is bounded by its work alone.
-    fn unhurried<'j>(&'j self, of: (&'j SceneSpec, &'j Modelling), method: &'j Scheme) -> Job<'j> {
+    fn untimed<'j>(&'j self, of: (&'j SceneSpec, &'j Modelling), method: &'j Scheme) -> Job<'j> {
         Job {
             repeats: 0,
             timeout: NO_BOUND,
@@ -255,9 +257,9 @@ impl Study<'_> {
         let mut coordinates = String::new();
         let found = match &full.method {
             Some(method) => {
-                let row = run(&self.unhurried(of, method))?;
+                let row = run(&self.untimed(of, method))?;
                 coordinates = format!("{} coordinates ", row.dofs);
-                let by = OwnSolution::from(&row);
+                let by = ConvergedSettings::from(&row);
                 match row.series.filter(|_| !row.status.is_failure()) {
                     Some(series) => Ok(Converged { by, series }),
                     None => Err(format!(
@@ -268,7 +270,7 @@ impl Study<'_> {
                 }
             }
             None => converged(
-                &self.unhurried(of, &exact_for_modes(EXACT_MODES[0].0)),
+                &self.untimed(of, &exact_for_modes(EXACT_MODES[0].0)),
                 &exact_modes(),
             )?,
         };
@@ -282,7 +284,7 @@ impl Study<'_> {
             id: full.id.clone(),
             title: full.title.clone(),
             source: format!("computed for this record: {coordinates}under {}", own.by),
-            series: thin(&own.series),
+            series: decimate(&own.series),
             ..ReferenceSeries::default()
         };
         Ok((record, own))
@@ -294,7 +296,7 @@ impl Study<'_> {
         variant: &Variant,
         row: &Run,
         computed: &[(ReferenceSeries, Converged)],
-    ) -> Result<Found, RunError> {
+    ) -> Result<ConvergedResult, RunError> {
         let entry = &variant.entry;
         // A model that is a reference has its converged solution already.
         let reference = self.plan.fulls.iter().find(|f| {
@@ -321,7 +323,7 @@ impl Study<'_> {
                 .collect()
         };
         match tries.first() {
-            Some((method, _)) => converged(&self.unhurried(of, method), &tries),
+            Some((method, _)) => converged(&self.untimed(of, method), &tries),
             None => Ok(Err("no method with a fixed step to compute it with".into())),
         }
     }

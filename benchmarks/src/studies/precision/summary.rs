@@ -1,7 +1,7 @@
 //! Terminal summary of a record of `precision`.
 
 use super::run::COARSE;
-use crate::cli::terminal::say;
+use crate::cli::terminal::print_line;
 use crate::experiment::budget::NOT_TRIED;
 use gearbench_reports::numbers::{percent, quantity};
 use gearbench_reports::precision::{Cost, LEVELS, Precision as Told, family, modes_and_step};
@@ -16,11 +16,11 @@ pub fn summarise(results: &Results) {
         if cloud.shown.is_empty() {
             continue;
         }
-        say(&format!("Pareto front against {id}, {metric}"));
+        print_line(&format!("Pareto front against {id}, {metric}"));
         for i in cloud.front(|_| true) {
             let s = &cloud.shown[i];
             let fitted = if s.is_fitted() { ", fitted to it" } else { "" };
-            say(&format!(
+            print_line(&format!(
                 "  {:>10} %  {:>9}  {} ({}){fitted}",
                 percent(s.point.error, 3),
                 quantity(s.run.cost_s(), "s", 3),
@@ -38,24 +38,24 @@ pub fn summarise(results: &Results) {
                 (true, true) => "cheapest within a limit, fitted models included",
             };
             let lines: Vec<String> = (LEVELS.iter())
-                .filter_map(|l| cloud.standing(*l, fitted_too))
+                .filter_map(|l| cloud.cheapest_runs(*l, fitted_too))
                 .map(|s| format!("{} {}", s.level(), s.winner()))
                 .collect();
             if !lines.is_empty() {
-                say(&format!("{which}:\n  {}", lines.join("\n  ")));
+                print_line(&format!("{which}:\n  {}", lines.join("\n  ")));
             }
         }
     }
     if told.references.is_empty() {
         // Without a reference there is the integrators' own error.
         let metric = told.headline_against(SELF);
-        say(&format!(
+        print_line(&format!(
             "error against each model's own converged solution, {metric}"
         ));
         let sound = results.runs.iter().filter(|r| !r.status.is_failure());
         for r in sound {
             let own = r.against(SELF).and_then(|m| m.get(metric));
-            say(&format!(
+            print_line(&format!(
                 "  {:>10}  {:>9}  {} ({})",
                 own.map_or("unknown".into(), |e| format!("{} %", percent(e, 3))),
                 quantity(r.cost_s(), "s", 3),
@@ -66,7 +66,7 @@ pub fn summarise(results: &Results) {
     }
     let shown = |what: &str| what == COARSE || what == NOT_TRIED;
     for (what, which) in results.settings.iter().filter(|(what, _)| shown(what)) {
-        say(&format!("{what}: {which}"));
+        print_line(&format!("{what}: {which}"));
     }
     let failed = (results.runs.iter())
         .filter(|r| r.status.is_failure())
@@ -74,7 +74,7 @@ pub fn summarise(results: &Results) {
     let timeouts = (results.runs.iter())
         .filter(|r| r.status == Status::Timeout)
         .count();
-    say(&format!(
+    print_line(&format!(
         "{} runs, {failed} of them failed{}",
         results.runs.len(),
         match timeouts {

@@ -1,22 +1,22 @@
 //! `gearbench response SCENE`: frequency response to the passing of teeth.
 
 use super::arguments::Response;
-use super::plan::{Plan, Wanted};
+use super::plan::{FrequencyGrid, Plan};
 use super::run::study;
 use super::summary::summarise;
-use crate::cli::answer::Answer;
+use crate::cli::command_result::CommandResult;
 use crate::cli::exit::Exit;
 use crate::cli::study_folder::StudyFolder;
 use crate::cli::terminal::{Refusal, refuse_study};
 use crate::experiment::conditions::Conditions;
 use crate::experiment::configuration::Configuration;
-use crate::experiment::small_signals::taken;
+use crate::experiment::small_signals::selected_models;
 use crate::scene_file::{self, SceneError, Selection};
 use gearbench_reports::Study;
 use gearbench_reports::record::Results;
 
 /// Runs the study and writes its folder.
-pub fn run(args: &Response, command: &str) -> Result<Answer, Refusal> {
+pub fn run(args: &Response, command: &str) -> Result<CommandResult, Refusal> {
     let range = args.from.zip(args.to).map(|(a, b)| [a, b]);
     if let Some([from, to]) = range.filter(|[from, to]| to <= from) {
         return Err(SceneError::plain(
@@ -26,7 +26,7 @@ pub fn run(args: &Response, command: &str) -> Result<Answer, Refusal> {
         .into());
     }
     let scene = scene_file::load_for(&args.scene, Selection::Labels(args.models.as_deref()))?;
-    let (choices, settings) = taken(&scene, args.models.as_deref())?;
+    let (choices, settings) = selected_models(&scene, args.models.as_deref())?;
     let plan = Plan {
         conditions: Conditions {
             command: command.to_string(),
@@ -37,7 +37,7 @@ pub fn run(args: &Response, command: &str) -> Result<Answer, Refusal> {
             .iter()
             .map(|c| Configuration::of(&scene, c))
             .collect(),
-        wanted: Wanted {
+        wanted: FrequencyGrid {
             range,
             points: args.points as usize,
             phases: args.phases as usize,

@@ -9,5 +9,5 @@ mod summary;
 #[cfg(test)]
 mod tests;
 
-pub use plan::{Plan, Wanted};
+pub use plan::{FrequencyGrid, Plan};
 pub use run::{response, study};

@@ -11,12 +11,12 @@ pub struct Plan<'a> {
     /// Models whose response is computed.
     pub entries: Vec<Configuration>,
     /// Range and resolution of the response of each model.
-    pub wanted: Wanted,
+    pub wanted: FrequencyGrid,
 }
 
 /// Range and resolution of the frequency response of a model.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Wanted {
+pub struct FrequencyGrid {
     /// Lowest and highest mesh frequency of the first mesh [Hz]; `None` takes them from its resonance.
     pub range: Option<[f64; 2]>,
     /// Number of mesh frequencies.
@@ -25,9 +25,9 @@ pub struct Wanted {
     pub phases: usize,
 }
 
-impl Default for Wanted {
+impl Default for FrequencyGrid {
     fn default() -> Self {
-        Wanted {
+        FrequencyGrid {
             range: None,
             points: 200,
             phases: 96,

@@ -1,6 +1,6 @@
 //! Frequency responses of models of a scene.
 
-use super::plan::{Plan, Wanted};
+use super::plan::{FrequencyGrid, Plan};
 use crate::experiment::error::StudyError;
 use crate::experiment::interruption;
 use crate::experiment::key::Key;
@@ -8,8 +8,8 @@ use crate::experiment::run::RunError;
 use crate::experiment::runner::Runner;
 use crate::experiment::small_signals::cycle::{MeshPhase, running};
 use crate::experiment::small_signals::grounds::grounds;
-use crate::experiment::small_signals::response::{Answer, Response, spectrum};
-use crate::experiment::small_signals::{MOST, NotSolved, has_loads, mesh_modes, settled};
+use crate::experiment::small_signals::response::{GroupVibration, Response, spectrum};
+use crate::experiment::small_signals::{LoadedStateError, MOST, has_loads, mesh_modes, settled};
 use gearbench_integrators::system::SecondOrderSystem;
 use gearbench_models::error::{BuildError, Fault};
 use gearbench_models::gear::table::Model;
@@ -71,7 +71,7 @@ fn limit(scene: &Scene, spec: &SceneSpec, mesh: usize, phases: &[MeshPhase]) -> 
     }
 }
 
-fn point(answer: &Answer, spec: &SceneSpec) -> ResponsePoint {
+fn point(answer: &GroupVibration, spec: &SceneSpec) -> ResponsePoint {
     let meshes = answer.meshes.iter().map(|m| {
         let cos = normal_over_transverse(spec, m.mesh);
         let error: Vec<f64> = m.error.iter().map(|e| e / cos).collect();
@@ -102,11 +102,11 @@ fn point(answer: &Answer, spec: &SceneSpec) -> ResponsePoint {
 fn solve(
     scene: &mut Scene,
     spec: &SceneSpec,
-    wanted: &Wanted,
-    tell: &dyn Fn(&str) -> bool,
-) -> Result<Vec<GroupResponse>, NotSolved> {
+    wanted: &FrequencyGrid,
+    report: &dyn Fn(&str) -> bool,
+) -> Result<Vec<GroupResponse>, LoadedStateError> {
     if !has_loads(spec, 0.0) {
-        return Err(NotSolved::Matrices(
+        return Err(LoadedStateError::Matrices(
             "it has no loads, and nothing presses its flanks together",
         ));
     }
@@ -126,13 +126,14 @@ fn solve(
         let last = (wanted.points - 1) as f64;
         let mut points = Vec::new();
         for i in 0..wanted.points {
-            if tell("frequencies") {
-                return Err(NotSolved::Interrupted);
+            if report("frequencies") {
+                return Err(LoadedStateError::Interrupted);
             }
             let f = ratio * (from + (to - from) * i as f64 / last);
             let answer = response.at(f);
-            let answer =
-                answer.ok_or(NotSolved::Matrices("its harmonic balance has no solution"))?;
+            let answer = answer.ok_or(LoadedStateError::Matrices(
+                "its harmonic balance has no solution",
+            ))?;
             points.push(point(&answer, spec));
         }
         let phases = cycle.meshes.iter().zip(&cycle.phases);
@@ -161,15 +162,15 @@ pub fn response(
     label: &str,
     (spec, modelling): (&SceneSpec, &Modelling),
     models: &[Model],
-    wanted: &Wanted,
+    wanted: &FrequencyGrid,
     interrupted: &dyn Fn(&str) -> bool,
 ) -> Result<ModelResponse, BuildError> {
     let spec = settled(spec);
     let mut scene = Scene::build(&spec, modelling, models)?;
     let n = scene.layout().n;
     let found = match n {
-        0 => Err(NotSolved::Matrices("nothing in it can move")),
-        n if n > MOST => Err(NotSolved::TooLarge(n)),
+        0 => Err(LoadedStateError::Matrices("nothing in it can move")),
+        n if n > MOST => Err(LoadedStateError::TooLarge(n)),
         _ => solve(&mut scene, &spec, wanted, interrupted),
     };
     let (groups, message) = match found {
@@ -192,7 +193,7 @@ pub fn study(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, StudyError
     let mut responses: Vec<ModelResponse> = Vec::new();
     let mut wanted = plan.wanted;
     for (done, entry) in plan.entries.iter().enumerate() {
-        runner.tell(done, plan.entries.len(), &entry.label);
+        runner.report_progress(done, plan.entries.len(), &entry.label);
         let scene = (&entry.scene, &entry.modelling);
         let label = entry.model_label();
         let key = (Key::new("response").and_scene(scene.0, scene.1)).and(&(&label, &wanted));
@@ -225,7 +226,7 @@ pub fn study(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, StudyError
         wanted.range = (wanted.range).or(ends.map(|e| e.map(|p| p.mesh_frequency_hz)));
         responses.push(found);
     }
-    runner.tell(plan.entries.len(), plan.entries.len(), "report");
+    runner.report_progress(plan.entries.len(), plan.entries.len(), "report");
     let part = ResponseRecord { responses };
     Ok(Results {
         mesh_modes: mesh_modes(&plan.entries, plan.conditions.models, runner)?,

@@ -1,6 +1,6 @@
 //! Terminal summary of a record of `response`.
 
-use crate::cli::terminal::say;
+use crate::cli::terminal::print_line;
 use gearbench_reports::numbers::{quantity, short};
 use gearbench_reports::record::Results;
 
@@ -8,13 +8,13 @@ use gearbench_reports::record::Results;
 pub fn summarise(results: &Results) {
     for r in results.responses() {
         if r.groups.is_empty() {
-            say(&format!("{}: {}", r.label, r.message));
+            print_line(&format!("{}: {}", r.label, r.message));
             continue;
         }
-        say(&format!("{}:", r.label));
+        print_line(&format!("{}:", r.label));
         for group in &r.groups {
             for (k, limit) in group.meshes.iter().enumerate() {
-                say(&format!(
+                print_line(&format!(
                     "  {}: force {}, stiffness {}/m, quasi-static transmission error {} um rms",
                     limit.name,
                     quantity(limit.force_n, "N", 5),
@@ -23,10 +23,10 @@ pub fn summarise(results: &Results) {
                 ));
                 let rms = |p: &&gearbench_reports::response::ResponsePoint| p.meshes[k].error_rms_m;
                 // Beyond contact a response to first order is no result.
-                let valid = group.points.iter().filter(|p| p.holds());
+                let valid = group.points.iter().filter(|p| p.is_linear());
                 let peak = valid.max_by(|a, b| rms(a).total_cmp(&rms(b)));
                 if let Some(peak) = peak {
-                    say(&format!(
+                    print_line(&format!(
                         "    largest transmission error with continuous contact, at a mesh frequency of {}: {} um rms, force {} to {}",
                         quantity(peak.mesh_frequency_hz, "Hz", 5),
                         short(1e6 * peak.meshes[k].error_rms_m, 4),
@@ -36,7 +36,7 @@ pub fn summarise(results: &Results) {
                 }
             }
             if let (Some(f), Some([low, high])) = (group.resonance_hz, group.resonance_range_hz) {
-                say(&format!(
+                print_line(&format!(
                     "  resonance {}, varying over the mesh cycle from {} to {}",
                     quantity(f, "Hz", 4),
                     quantity(low, "Hz", 4),
@@ -44,11 +44,11 @@ pub fn summarise(results: &Results) {
                 ));
             }
             let parts: Vec<f64> = (group.points.iter())
-                .filter(|p| !p.holds())
+                .filter(|p| !p.is_linear())
                 .map(|p| p.mesh_frequency_hz)
                 .collect();
             if let (Some(first), Some(last)) = (parts.first(), parts.last()) {
-                say(&format!(
+                print_line(&format!(
                     "  flanks separate at {} of {} frequencies, from {} to {}, where the response is not valid",
                     parts.len(),
                     group.points.len(),

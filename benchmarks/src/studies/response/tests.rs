@@ -1,7 +1,7 @@
 //! Frequency responses compared with a closed form, and with simulations of running gears.
 #![allow(clippy::print_stdout, reason = "observed figures")]
 
-use super::plan::Wanted;
+use super::plan::FrequencyGrid;
 use super::run::response;
 use crate::experiment::conditions::Conditions;
 use crate::experiment::configuration::Configuration;
@@ -23,10 +23,10 @@ fn respond(
     points: usize,
 ) -> GroupResponse {
     let entry = Configuration::of(scene, scene.model(label).unwrap());
-    let wanted = Wanted {
+    let wanted = FrequencyGrid {
         range,
         points,
-        ..Wanted::default()
+        ..FrequencyGrid::default()
     };
     let found = response(
         label,
@@ -100,7 +100,7 @@ fn a_deep_wave_answers_as_gears_that_run() {
     let frequencies: Vec<f64> = group
         .points
         .iter()
-        .filter(|p| p.holds())
+        .filter(|p| p.is_linear())
         .map(|p| p.mesh_frequency_hz)
         .collect();
     assert!(frequencies.len() >= 6, "{frequencies:?}");

@@ -1,10 +1,10 @@
 //! Evaluation of a recorded run-up.
 
-use super::channels::Recorded;
+use super::channels::ChannelLayout;
 use super::orders::tracked;
-use super::plan::{Look, Ramp};
+use super::plan::{EvaluationSettings, Ramp};
 use super::recorder::Recorder;
-use super::windows::{Cut, Windows, follow, map, rounded};
+use super::windows::{SampledRecording, Windows, follow, map, rounded};
 use gearbench_models::spec::SceneSpec;
 use gearbench_reports::numbers::counted;
 use gearbench_reports::run_up::{ModelRunUp, RunUpChannel, RunUpMap};
@@ -71,9 +71,9 @@ fn axes(windows: &Windows, lines: Vec<f64>) -> RunUpMap {
 /// The reason why the run cannot be evaluated, with advice.
 pub fn analyse(
     spec: &SceneSpec,
-    recorded: &Recorded<'_>,
+    recorded: &ChannelLayout<'_>,
     recorder: &Recorder,
-    (look, ramp): (&Look, Option<&Ramp>),
+    (look, ramp): (&EvaluationSettings, Option<&Ramp>),
 ) -> Result<ModelRunUp, String> {
     let name = spec.gears[look.gear].name.clone();
     let angle = recorded.angle(recorder, look.gear);
@@ -102,7 +102,7 @@ pub fn analyse(
     if let Some(why) = ramp.and_then(|ramp| missed(&name, &all_turns, recorder, ramp)) {
         return Err(why);
     }
-    let cut = Cut {
+    let cut = SampledRecording {
         time: [recorder.time(from), recorder.apart()],
         turns,
     };

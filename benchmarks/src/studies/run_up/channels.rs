@@ -29,17 +29,17 @@ pub struct Quantity {
 }
 
 /// Layout of the recorded channels of a scene.
-pub struct Recorded<'a> {
+pub struct ChannelLayout<'a> {
     spec: &'a SceneSpec,
     /// Carrier of each gear, among the members.
     carriers: Vec<Option<usize>>,
     members: usize,
 }
 
-impl<'a> Recorded<'a> {
+impl<'a> ChannelLayout<'a> {
     /// Returns the layout of the recorded channels for a scene.
     pub fn of(spec: &'a SceneSpec) -> Self {
-        Recorded {
+        ChannelLayout {
             spec,
             carriers: (0..spec.gears.len()).map(|g| carrier_of(spec, g)).collect(),
             members: spec.gears.len() + spec.bodies().count(),
@@ -62,7 +62,7 @@ impl<'a> Recorded<'a> {
     }
 
     /// Computes the rotation of a member between two samples, relative to its carrier if it has one [rad].
-    pub fn turned(&self, recorder: &Recorder, member: usize, [a, b]: [usize; 2]) -> f64 {
+    pub fn rotation(&self, recorder: &Recorder, member: usize, [a, b]: [usize; 2]) -> f64 {
         let of = |i: usize| recorder.columns[i][b] - recorder.columns[i][a];
         let carrier = self.carriers.get(member).copied().flatten();
         of(member) - carrier.map_or(0.0, of)

@@ -1,10 +1,10 @@
 //! `gearbench run-up SCENE`: orders and spectra over the speed.
 
 use super::arguments::RunUp;
-use super::plan::{Look, Plan, Ramp};
+use super::plan::{EvaluationSettings, Plan, Ramp};
 use super::run::study;
 use super::summary::summarise;
-use crate::cli::answer::Answer;
+use crate::cli::command_result::CommandResult;
 use crate::cli::exit::Exit;
 use crate::cli::study_folder::StudyFolder;
 use crate::cli::terminal::{Refusal, refuse_study};
@@ -26,7 +26,7 @@ use std::time::Duration;
 const BEFORE: f64 = 0.02;
 
 /// Runs the study and writes its folder.
-pub fn run(args: &RunUp, command: &str) -> Result<Answer, Refusal> {
+pub fn run(args: &RunUp, command: &str) -> Result<CommandResult, Refusal> {
     let scene = scene_file::load_for(&args.scene, Selection::Labels(args.models.as_deref()))?;
     let choices = scene.select(args.models.as_deref())?;
     // Full models take hours for what a run-up turns through.
@@ -46,7 +46,7 @@ pub fn run(args: &RunUp, command: &str) -> Result<Answer, Refusal> {
         _ => None,
     };
     let duration = ramp.map_or(scene.duration, |r| r.over);
-    let look = Look {
+    let look = EvaluationSettings {
         gear: gear_of(&scene, args.gear.as_deref())?,
         multiples: args.multiples as usize,
         turns: args.turns,

@@ -21,7 +21,7 @@ use gearbench_models::spec::{Load, Modelling, Mount, Profile, SceneSpec, Station
 
 /// Reason why a scene cannot follow a ramp, and advice.
 #[derive(Clone, Debug, PartialEq)]
-pub struct NoRamp(pub String, pub &'static str);
+pub struct RampError(pub String, pub &'static str);
 
 /// Mutable mount, loads and speed of a member, which a ramp changes.
 struct Driven<'a> {
@@ -60,7 +60,7 @@ pub fn run_up(
     models: &[Model],
     gear: usize,
     ramp: &Ramp,
-) -> Result<Result<SceneSpec, NoRamp>, BuildError> {
+) -> Result<Result<SceneSpec, RampError>, BuildError> {
     let built = Scene::build(spec, modelling, models)?;
     let start = built.initial();
     let own: Vec<f64> = (built.gears().iter())
@@ -72,7 +72,7 @@ pub fn run_up(
             "`{}` does not rotate at the start, so that the sense of its run-up is unknown",
             spec.gears[gear].name
         );
-        return Ok(Err(NoRamp(
+        return Ok(Err(RampError(
             why,
             "give the gears their `speed_rad_s`, or name another reference gear with --gear",
         )));

@@ -37,5 +37,5 @@ mod summary;
 mod tests;
 mod windows;
 
-pub use plan::{Look, Plan, Ramp};
+pub use plan::{EvaluationSettings, Plan, Ramp};
 pub use run::study;

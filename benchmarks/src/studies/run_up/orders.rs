@@ -1,7 +1,7 @@
 //! Orders of a scene: frequencies of meshes and shafts over the rotation frequency of the reference gear, from the
 //! rotations of the hubs.
 
-use super::channels::Recorded;
+use super::channels::ChannelLayout;
 use super::recorder::Recorder;
 use gearbench_models::spec::{Body, SceneSpec};
 use gearbench_reports::run_up::TrackedOrder;
@@ -30,7 +30,7 @@ fn add(families: &mut Vec<Family>, order: f64, name: String) {
 
 /// Returns the orders to follow, those of meshes first; `shortest` is the least order that a window resolves.
 pub fn tracked(
-    (spec, recorded): (&SceneSpec, &Recorded<'_>),
+    (spec, recorded): (&SceneSpec, &ChannelLayout<'_>),
     recorder: &Recorder,
     between: [usize; 2],
     (gear, multiples): (usize, usize),
@@ -60,7 +60,7 @@ pub fn tracked(
     }
     let racks = |i: usize| matches!(spec.gears.get(i).map(|g| &g.body), Some(Body::Rack(_)));
     for i in (0..spec.gears.len() + spec.bodies().count()).filter(|i| !racks(*i)) {
-        let order = recorded.turned(recorder, i, between).abs() / reference;
+        let order = recorded.rotation(recorder, i, between).abs() / reference;
         if order > ALIKE {
             add(&mut shafts, order, spec.member_name(i).to_owned());
         }

@@ -18,7 +18,7 @@ pub struct Ramp {
 
 /// Settings of the evaluation of a run-up.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Look {
+pub struct EvaluationSettings {
     /// Index of the reference gear in the scene.
     pub gear: usize,
     /// Number of multiples of mesh orders that are followed and shown.
@@ -43,5 +43,5 @@ pub struct Plan<'a> {
     /// Speed ramp in place of the scene's own speeds and loads; `None` keeps these.
     pub ramp: Option<Ramp>,
     /// Settings of the evaluation.
-    pub look: Look,
+    pub look: EvaluationSettings,
 }

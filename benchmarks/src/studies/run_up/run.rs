@@ -1,21 +1,21 @@
 //! Runs of the run-up study, one for each model.
 
 use super::analysis::analyse;
-use super::channels::Recorded;
-use super::drive::{NoRamp, run_up};
+use super::channels::ChannelLayout;
+use super::drive::{RampError, run_up};
 use super::plan::Plan;
 use super::recorder::Recorder;
 use crate::experiment::configuration::Configuration;
 use crate::experiment::error::{ModelRefusal, StudyError};
-use crate::experiment::run::{Job, RunError, run_watched};
+use crate::experiment::run::{Job, RunError, run_with_observer};
 use crate::experiment::runner::Runner;
 use crate::experiment::small_signals::assemble;
-use crate::studies::modes::{Wanted, vibrations};
+use crate::studies::modes::{ModesSettings, vibrations};
 use gearbench_integrators::SecondOrderSystem as _;
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::SceneSpec;
 use gearbench_reports::Part;
-use gearbench_reports::modes::About;
+use gearbench_reports::modes::LinearisedState;
 use gearbench_reports::record::{Results, Run};
 use gearbench_reports::run_up::{ModelRunUp, NaturalFrequency, RunUpRecord};
 use std::time::Instant;
@@ -32,7 +32,7 @@ const MARKED: usize = 12;
 pub fn study(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, StudyError> {
     let (mut runs, mut run_ups) = (Vec::new(), Vec::new());
     for (done, entry) in plan.entries.iter().enumerate() {
-        runner.tell(done, plan.entries.len(), &entry.label);
+        runner.report_progress(done, plan.entries.len(), &entry.label);
         let made = one(plan, runner, entry);
         let (row, found) = match made.as_ref().err().and_then(ModelRefusal::refusal) {
             Some(message) => (
@@ -48,7 +48,7 @@ pub fn study(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, StudyError
         runs.push(row);
         run_ups.push(found);
     }
-    runner.tell(plan.entries.len(), plan.entries.len(), "report");
+    runner.report_progress(plan.entries.len(), plan.entries.len(), "report");
     Ok(Results {
         runs,
         ..plan.conditions.record(Part::RunUp(RunUpRecord { run_ups }))
@@ -63,7 +63,7 @@ fn scene_of(plan: &Plan<'_>, entry: &Configuration) -> Result<SceneSpec, StudyEr
     let scene = (&entry.scene, &entry.modelling);
     let made = run_up(scene, plan.conditions.models, plan.look.gear, ramp);
     let made = made.map_err(RunError::from)?;
-    made.map_err(|NoRamp(why, way_out)| StudyError::Scene(why, way_out))
+    made.map_err(|RampError(why, way_out)| StudyError::Scene(why, way_out))
 }
 
 fn one(
@@ -84,10 +84,10 @@ fn one(
     let made = runner.row_with(key, method, || {
         let started = Instant::now();
         let mut scene = assemble(&spec, &entry.modelling, job.models).map_err(RunError::from)?;
-        let recorded = Recorded::of(&spec);
+        let recorded = ChannelLayout::of(&spec);
         let range = [plan.look.onset, job.t_end];
         let mut recorder = Recorder::new(recorded.channels(&scene), range, plan.look.samples);
-        let mut row = run_watched(&job, &mut scene, started.elapsed(), &mut recorder)?;
+        let mut row = run_with_observer(&job, &mut scene, started.elapsed(), &mut recorder)?;
         let mut found = match row.status.is_failure() {
             true => Err(row.message.clone().unwrap_or_default()),
             false => analyse(
@@ -131,13 +131,16 @@ fn natural(
     if built.layout().n > FEW {
         return Ok(Vec::new());
     }
-    let wanted = Wanted {
+    let wanted = ModesSettings {
         most: MARKED,
         up_to: *top,
-        ..Wanted::default()
+        ..ModesSettings::default()
     };
     let modes = vibrations(&entry.label, scene, models, &wanted).map_err(RunError::from)?;
-    if !matches!(modes.about, About::Loaded | About::Preloaded) {
+    if !matches!(
+        modes.about,
+        LinearisedState::Loaded | LinearisedState::Preloaded
+    ) {
         return Ok(Vec::new());
     }
     let swings = modes.modes.into_iter().filter(|m| m.frequency_hz > 0.0);

@@ -1,6 +1,6 @@
 //! Terminal summary of a record of `run-up`.
 
-use crate::cli::terminal::say;
+use crate::cli::terminal::print_line;
 use gearbench_reports::numbers::{quantity, short};
 use gearbench_reports::record::Results;
 use gearbench_reports::run_up::strongest;
@@ -12,10 +12,10 @@ const MOST: usize = 12;
 pub fn summarise(results: &Results) {
     for run in results.run_ups() {
         if !run.message.is_empty() {
-            say(&format!("{}: {}", run.label, run.message));
+            print_line(&format!("{}: {}", run.label, run.message));
             continue;
         }
-        say(&format!(
+        print_line(&format!(
             "{}: {} with mean speeds of the windows from {} to {} rad/s in {} revolutions, windows of {} {} and {}",
             run.label,
             run.gear,
@@ -30,12 +30,12 @@ pub fn summarise(results: &Results) {
             },
             quantity(run.by_time.span, "s", 3)
         ));
-        say(&format!(
+        print_line(&format!(
             "{:<40} {:<26} {:>9} {:>12} {:>12} {:>10}",
             "quantity", "order", "", "amplitude", "at rad/s", "at Hz"
         ));
         for peak in strongest(run, 1).iter().take(MOST) {
-            say(&format!(
+            print_line(&format!(
                 "{:<40} {:<26} {:>9} {:>12} {:>12} {:>10}",
                 peak.channel.name,
                 peak.order.name,

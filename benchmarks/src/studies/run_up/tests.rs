@@ -5,14 +5,14 @@ use crate::experiment::conditions::Conditions;
 use crate::experiment::configuration::Configuration;
 use crate::experiment::runner::Runner;
 use crate::scene_file::SceneFile;
-use crate::studies::modes::{Wanted, vibrations};
+use crate::studies::modes::{ModesSettings, vibrations};
 use crate::studies::sweep;
 use crate::studies::test_scene::waves;
 use gearbench_integrators::table::DOPRI5;
 use gearbench_reports::run_up::{ModelRunUp, strongest};
 use gearbench_reports::sweep::Branch;
 use std::f64::consts::TAU;
-use windows::{Cut, follow, map};
+use windows::{SampledRecording, follow, map};
 
 /// Turns of a gear that runs up evenly, and a history of sines at fixed orders on a mean that drifts.
 fn chirp(samples: usize, orders: &[(f64, f64)]) -> (f64, Vec<f64>, Vec<f64>) {
@@ -38,7 +38,7 @@ fn chirp(samples: usize, orders: &[(f64, f64)]) -> (f64, Vec<f64>, Vec<f64>) {
 fn a_chirp_reads_its_amplitude() {
     let orders = [(1e-6, 16.0), (2e-7, 31.3)];
     let (apart, turns, history) = chirp(1 << 17, &orders);
-    let cut = Cut {
+    let cut = SampledRecording {
         time: [0.0, apart],
         turns: &turns,
     };
@@ -87,7 +87,7 @@ fn a_chirp_reads_its_amplitude() {
 #[test]
 fn windows_cover_the_run() {
     let (apart, turns, _) = chirp(1 << 14, &[]);
-    let cut = Cut {
+    let cut = SampledRecording {
         time: [0.5, apart],
         turns: &turns,
     };
@@ -126,7 +126,7 @@ fn run_up_of(scene: &SceneFile, ramp: Option<Ramp>, duration: f64) -> ModelRunUp
         entries: vec![Configuration::of(scene, &scene.models[0])],
         method: DOPRI5.at_tolerance(1e-7),
         ramp,
-        look: Look {
+        look: EvaluationSettings {
             gear: 0,
             multiples: 3,
             turns: None,
@@ -170,7 +170,13 @@ fn a_run_up_meets_the_resonance_that_sweep_and_modes_have() {
     let scene = pair();
     let entry = Configuration::of(&scene, &scene.models[0]);
     let of = (&entry.scene, &entry.modelling);
-    let natural = vibrations("rigid", of, crate::models::models(), &Wanted::default()).unwrap();
+    let natural = vibrations(
+        "rigid",
+        of,
+        crate::models::models(),
+        &ModesSettings::default(),
+    )
+    .unwrap();
     let natural = natural.modes.last().unwrap().frequency_hz;
     // Mesh frequencies from 0.4 to 1.4 of it.
     let speed = |f: f64| TAU * f / 20.0;
@@ -257,7 +263,7 @@ fn a_constant_speed_is_refused_with_a_way_out() {
             entries: vec![Configuration::of(&scene, &scene.models[0])],
             method: DOPRI5.at_tolerance(1e-6),
             ramp: None,
-            look: Look {
+            look: EvaluationSettings {
                 gear: 0,
                 multiples: 2,
                 turns: None,

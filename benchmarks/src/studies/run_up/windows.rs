@@ -13,7 +13,7 @@ const PER_CYCLE: f64 = 8.0;
 const MOST_LINES: usize = 200;
 
 /// Recording that is divided into windows: evenly spaced samples, with the turns of the reference gear at each.
-pub struct Cut<'a> {
+pub struct SampledRecording<'a> {
     /// Time of the first sample, and the interval between samples [s].
     pub time: [f64; 2],
     /// Turns of the reference gear, ascending.
@@ -47,7 +47,7 @@ fn starts([first, last]: [f64; 2], length: f64) -> Vec<f64> {
     (0..count).map(|i| first + hop * i as f64).collect()
 }
 
-impl Cut<'_> {
+impl SampledRecording<'_> {
     fn at(&self, sample: f64) -> f64 {
         self.time[0] + self.time[1] * sample
     }
@@ -162,7 +162,12 @@ pub struct Map {
 
 /// Computes the amplitudes of histories (those of one quantity together) in all bins up to `highest` (in cycles per
 /// unit of the span).
-pub fn map(cut: &Cut<'_>, windows: &Windows, histories: &[Vec<f64>], highest: f64) -> Map {
+pub fn map(
+    cut: &SampledRecording<'_>,
+    windows: &Windows,
+    histories: &[Vec<f64>],
+    highest: f64,
+) -> Map {
     let bins = ((highest * windows.span).ceil() as usize + 1).min(windows.length / 2);
     let group = bins.div_ceil(MOST_LINES).max(1);
     let mut all: Vec<Vec<Vec<f64>>> = Vec::new();
@@ -188,7 +193,7 @@ pub fn map(cut: &Cut<'_>, windows: &Windows, histories: &[Vec<f64>], highest: f6
 
 /// Computes the amplitudes at given orders in each window.
 pub fn follow(
-    cut: &Cut<'_>,
+    cut: &SampledRecording<'_>,
     windows: &Windows,
     histories: &[Vec<f64>],
     orders: &[f64],

@@ -1,6 +1,6 @@
 //! Arguments of `stability`.
 
-use crate::cli::arguments::Bounded;
+use crate::cli::arguments::BoundedOutput;
 use crate::cli::values::{positive_load, time};
 use crate::studies::stability::axis::{Axis, spaced};
 use crate::studies::stability::scene::{AxisValues, COLUMNS, MOST, ROWS, Span};
@@ -67,7 +67,7 @@ pub struct Stability {
     pub threads: Option<u32>,
     /// Where results go, and how long a run may take.
     #[command(flatten)]
-    pub run: Bounded,
+    pub run: BoundedOutput,
 }
 
 fn number(text: &str) -> Result<f64, String> {

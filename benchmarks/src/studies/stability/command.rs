@@ -7,7 +7,7 @@ use super::plan::{MapPlan, Plan, PlannedAxis};
 use super::run::{Timings, study};
 use super::setup::{AxisError, Setup};
 use super::summary::summarise;
-use crate::cli::answer::Answer;
+use crate::cli::command_result::CommandResult;
 use crate::cli::exit::Exit;
 use crate::cli::files::write_whole;
 use crate::cli::study_folder::StudyFolder;
@@ -50,7 +50,7 @@ const SAMPLES: usize = 500;
 const TIMINGS: &str = "timings.csv";
 
 /// Runs the study and writes its folder.
-pub fn run(args: &Stability, command: &str) -> Result<Answer, Refusal> {
+pub fn run(args: &Stability, command: &str) -> Result<CommandResult, Refusal> {
     let mut scene = scene_file::load_for(&args.scene, Selection::None)?;
     let mut chosen: Vec<String> = Vec::new();
     for set in sets(&scene, args)?.iter() {
@@ -180,7 +180,7 @@ fn plan(scene: &SceneFile, args: &Stability, command: &str) -> Result<Plan<'stat
             let e = &entries[entry];
             let mut built = Scene::build(&e.scene, &e.modelling, models())
                 .map_err(|error| scene.locate_in(&choice.label, &error))?;
-            let about = About {
+            let about = ModelData {
                 scene,
                 set,
                 number,
@@ -238,7 +238,7 @@ fn plan(scene: &SceneFile, args: &Stability, command: &str) -> Result<Plan<'stat
 }
 
 /// Data about a model that its maps need.
-struct About<'a> {
+struct ModelData<'a> {
     scene: &'a SceneFile,
     set: &'a StabilitySet,
     number: usize,
@@ -250,11 +250,11 @@ struct About<'a> {
 
 /// The map of a model under an integrator, or why there is none.
 fn map(
-    about: &About<'_>,
+    about: &ModelData<'_>,
     entry: &Configuration,
     method: MethodSpec,
 ) -> Result<Result<MapPlan, String>, Refusal> {
-    let About { set, scene, .. } = about;
+    let ModelData { set, scene, .. } = about;
     let info = method.info();
     if info.linear_part && !about.linear_part {
         return Ok(Err(

@@ -29,21 +29,21 @@ pub type Timings = Vec<(String, f64)>;
 
 /// A finished run with its wall time.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-struct Done {
+struct FinishedRun {
     cell: Cell,
     /// Wall time [s]: the only part that differs when the run is made again.
     wall_s: f64,
 }
 
 /// A converged solution that at most one thread computes.
-type Slot = Arc<Mutex<Option<Arc<Reference>>>>;
+type ReferenceSlot = Arc<Mutex<Option<Arc<Reference>>>>;
 
-struct Work<'a> {
+struct StudyState<'a> {
     plan: &'a Plan<'a>,
     runner: &'a Runner<'a>,
     /// Finished runs by the name of their cell.
-    done: Mutex<HashMap<String, Done>>,
-    references: Mutex<HashMap<Key, Slot>>,
+    done: Mutex<HashMap<String, FinishedRun>>,
+    references: Mutex<HashMap<Key, ReferenceSlot>>,
     total: AtomicUsize,
 }
 
@@ -66,7 +66,7 @@ pub fn study(
     runner: &Runner<'_>,
     threads: usize,
 ) -> Result<(Results, Timings), StudyError> {
-    let work = Work {
+    let work = StudyState {
         plan,
         runner,
         done: Mutex::default(),
@@ -79,12 +79,12 @@ pub fn study(
             let (row, at) = (c / map.at.len(), map.at[c % map.at.len()]);
             let setup = setup(plan, map, row)?;
             match runner.finished(run_key(plan, map, &setup, at))? {
-                Some(done) => work.keep(cell_name(m, c), done),
+                Some(done) => work.store(cell_name(m, c), done),
                 None => pending.push((m, c)),
             }
         }
     }
-    work.tell("");
+    work.report_progress("");
     reduce_once(plan)?;
     // Converged solutions first, each once: threads that share one would wait for each other.
     let mut needed: Vec<(Key, usize, usize)> = Vec::new();
@@ -122,7 +122,7 @@ pub fn study(
         for row in 0..plan.maps[m].rows() {
             let setup = setup(plan, &plan.maps[m], row)?;
             let key = reference_key(plan, &plan.maps[m], &setup);
-            map.references.push(work.told(key)?);
+            map.references.push(work.converged_description(key)?);
         }
         maps.push(map);
     }
@@ -194,13 +194,13 @@ fn setup(plan: &Plan<'_>, map: &MapPlan, row: usize) -> Result<Setup, StudyError
     })
 }
 
-impl Work<'_> {
-    fn tell(&self, what: &str) {
+impl StudyState<'_> {
+    fn report_progress(&self, what: &str) {
         let done = lock(&self.done).len();
-        (self.runner).tell(done, self.total.load(Ordering::Relaxed), what);
+        (self.runner).report_progress(done, self.total.load(Ordering::Relaxed), what);
     }
 
-    fn keep(&self, name: String, done: Done) {
+    fn store(&self, name: String, done: FinishedRun) {
         lock(&self.done).insert(name, done);
     }
 
@@ -215,7 +215,7 @@ impl Work<'_> {
             return Ok(found.clone());
         }
         let label = &self.plan.entries[map.entry].label;
-        self.tell(&format!("{label}, converged solution"));
+        self.report_progress(&format!("{label}, converged solution"));
         let found: Reference = (self.runner).piece(key, || {
             super::cell::reference(self.plan, map, &setup).map_err(StudyError::from)
         })?;
@@ -223,7 +223,10 @@ impl Work<'_> {
     }
 
     /// Returns the description of a converged solution; empty if an interruption prevented its computation.
-    fn told(&self, key: Key) -> Result<gearbench_reports::stability::SelfReference, StudyError> {
+    fn converged_description(
+        &self,
+        key: Key,
+    ) -> Result<gearbench_reports::stability::SelfReference, StudyError> {
         let slot = lock(&self.references).get(&key).cloned();
         if let Some(found) = slot.and_then(|slot| lock(&slot).clone()) {
             return Ok(found.told.clone());
@@ -242,11 +245,11 @@ impl Work<'_> {
                 let reference = self.reference(m, row)?;
                 let (cell, wall) = super::cell::cell(self.plan, map, &setup, at, &reference)?;
                 let wall_s = wall.as_secs_f64();
-                Ok(Done { cell, wall_s })
+                Ok(FinishedRun { cell, wall_s })
             })
         };
         let done = match made {
-            Err(_) if interruption::requested() => Done {
+            Err(_) if interruption::requested() => FinishedRun {
                 cell: Cell {
                     at,
                     status: Status::Interrupted,
@@ -257,9 +260,9 @@ impl Work<'_> {
             },
             made => made?,
         };
-        self.keep(name, done);
+        self.store(name, done);
         let label = &self.plan.entries[map.entry].label;
-        self.tell(&format!("{label}, {}", map.method));
+        self.report_progress(&format!("{label}, {}", map.method));
         Ok(())
     }
 
@@ -290,7 +293,7 @@ impl Work<'_> {
         let entry = &self.plan.entries[map.entry];
         let done = lock(&self.done);
         let mut take = |name: String| {
-            let Done { cell, wall_s } = done.get(&name)?.clone();
+            let FinishedRun { cell, wall_s } = done.get(&name)?.clone();
             timings.push((name, wall_s));
             Some(cell)
         };

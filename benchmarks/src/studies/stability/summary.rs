@@ -1,6 +1,6 @@
 //! Terminal summary of a record of `stability`.
 
-use crate::cli::terminal::say;
+use crate::cli::terminal::print_line;
 use gearbench_reports::numbers::{quantity, short};
 use gearbench_reports::record::{Results, Status};
 use gearbench_reports::stability::Map;
@@ -16,8 +16,8 @@ pub fn summarise(results: &Results) {
         .filter(|s| of(*s) > 0)
         .map(|s| format!("{} {s}", of(s)))
         .collect();
-    say(&format!("{total} cells: {}", counted.join(", ")));
-    say(&format!(
+    print_line(&format!("{total} cells: {}", counted.join(", ")));
+    print_line(&format!(
         "{:<26} {:<32} {:>14} {:>10} {:>8}  failing with",
         "model", "integrator", "largest stable", "theory", "ratio"
     ));
@@ -38,7 +38,7 @@ pub fn summarise(results: &Results) {
             (None, None) => String::new(),
         };
         let theory = map.theory(map.own_row()).map(|(h, _)| h);
-        say(&format!(
+        print_line(&format!(
             "{:<26} {:<32} {step:>14} {:>10} {:>8}  {}",
             map.model_label(),
             map.integrator,

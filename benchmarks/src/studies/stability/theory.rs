@@ -35,7 +35,7 @@ pub fn lines(plan: &Plan<'_>, maps: &[usize]) -> Vec<(usize, Vec<MapLine>)> {
                 && let Ok(found) = scene.lines(setup.method)
             {
                 for line in found {
-                    put(lines, (row, map.rows()), line);
+                    push_line(lines, (row, map.rows()), line);
                 }
             }
         }
@@ -48,7 +48,7 @@ fn linearise(plan: &Plan<'_>, setup: &Setup) -> Option<Linearised> {
 }
 
 /// Puts the step of one row into the line with its label.
-fn put(lines: &mut Vec<MapLine>, (row, rows): (usize, usize), step: StepLine) {
+fn push_line(lines: &mut Vec<MapLine>, (row, rows): (usize, usize), step: StepLine) {
     let at = (lines.iter().position(|l| l.label == step.label)).unwrap_or_else(|| {
         lines.push(MapLine {
             label: step.label,

@@ -4,7 +4,7 @@ use super::arguments::Stiffness;
 use super::plan::{Entry, Plan, formulas, includes};
 use super::run::study;
 use super::summary::summarise;
-use crate::cli::answer::Answer;
+use crate::cli::command_result::CommandResult;
 use crate::cli::exit::Exit;
 use crate::cli::study_folder::StudyFolder;
 use crate::cli::terminal::{Refusal, refuse_study};
@@ -23,7 +23,7 @@ use gearbench_reports::record::Results;
 pub(super) const STATIC_LOAD: &str = "static load";
 
 /// Loads the models of a scene over a mesh cycle and writes a folder.
-pub fn run(args: &Stiffness, command: &str) -> Result<Answer, Refusal> {
+pub fn run(args: &Stiffness, command: &str) -> Result<CommandResult, Refusal> {
     let scene = scene_file::load_for(&args.scene, Selection::Labels(args.models.as_deref()))?;
     let choices = scene.select(args.models.as_deref())?;
     let mut entries: Vec<Entry> = choices

@@ -26,7 +26,7 @@ pub fn study(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, StudyError
             return Err(RunError::Interrupted.into());
         }
         let done = plan.positions * i;
-        let progress = |n: usize| runner.tell(done + n, total, &entry.label);
+        let progress = |n: usize| runner.report_progress(done + n, total, &entry.label);
         progress(0);
         let key = Key::new("stiffness")
             .and_scene(&entry.spec, &entry.modelling)

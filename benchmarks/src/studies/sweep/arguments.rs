@@ -1,6 +1,6 @@
 //! Arguments of `sweep`.
 
-use crate::cli::arguments::Bounded;
+use crate::cli::arguments::BoundedOutput;
 use crate::cli::values::{DEFAULT_POSITIONS, positions, positive_load};
 use clap::Args;
 use clap::builder::PossibleValuesParser;
@@ -73,5 +73,5 @@ pub struct Sweep {
     pub positions: usize,
     /// Where results go, and how long a run may take.
     #[command(flatten)]
-    pub run: Bounded,
+    pub run: BoundedOutput,
 }

@@ -4,7 +4,7 @@ use super::arguments::Sweep;
 use super::pair::Pair;
 use super::summary::summarise;
 use super::{Plan, check, mesh_resonance, sweep};
-use crate::cli::answer::Answer;
+use crate::cli::command_result::CommandResult;
 use crate::cli::exit::Exit;
 use crate::cli::study_folder::StudyFolder;
 use crate::cli::terminal::{Refusal, refuse_study};
@@ -21,7 +21,7 @@ use gearbench_reports::Study;
 const AROUND: [f64; 2] = [0.06, 1.5];
 
 /// Runs the sweep and writes its folder.
-pub fn run(args: &Sweep, command: &str) -> Result<Answer, Refusal> {
+pub fn run(args: &Sweep, command: &str) -> Result<CommandResult, Refusal> {
     if let (Some(from), Some(to)) = (args.from, args.to)
         && from >= to
     {

@@ -4,7 +4,7 @@
 //! free gears balance, or the speed would drift. Constant torques do at every speed or at none; a viscous load grows with
 //! it, and then the other gear, the one that drives, is given the torque that holds the speed. What damping takes from
 //! the vibration of two free gears comes from their rotation: while they settle their speed is brought back now and then,
-//! and both are driven by what they lost, in proportion to their inertias, which presses nothing ([`Pair::govern`]).
+//! and both are driven by what they lost, in proportion to their inertias, which presses nothing ([`Pair::correct_speed`]).
 
 use crate::experiment::configuration::Configuration;
 use crate::experiment::error::StudyError;
@@ -243,7 +243,7 @@ impl Pair {
             if driven {
                 g.mount = Mount::Driven(match from {
                     None => Profile::Constant(speed),
-                    Some(end) => goes_on(end.t, end.driven[i], speed),
+                    Some(end) => constant_speed_from(end.t, end.driven[i], speed),
                 });
             }
             let lost = self.loads[i].viscous * speed;
@@ -294,7 +294,7 @@ impl Pair {
     }
 
     /// Common rotation of free gears whose hubs have turned by `angles` [rad], as a turn of the first [rad].
-    fn turned(&self, scene: &Scene, angles: [f64; 2]) -> f64 {
+    fn common_rotation(&self, scene: &Scene, angles: [f64; 2]) -> f64 {
         let (mut turned, mut inertia) = (0.0, 0.0);
         for ((gear, ratio), angle) in scene.gears().iter().zip(self.ratios()).zip(angles) {
             let own = gear.model.hub().hub.inertia * ratio;
@@ -307,7 +307,7 @@ impl Pair {
     /// Corrects the common rotation of free gears to a mesh frequency, by the rotation of their hubs in the last
     /// `period` [s], a mesh cycle: within a cycle it varies, the more the slower they turn, as the teeth store energy
     /// and return it. The vibration of the gears is kept. Returns the excess speed of the first gear [rad/s].
-    pub fn govern(
+    pub fn correct_speed(
         &self,
         scene: &Scene,
         state: &mut State,
@@ -316,7 +316,7 @@ impl Pair {
         period: f64,
     ) -> f64 {
         let ratios = self.ratios();
-        let [before, now] = angles.map(|a| self.turned(scene, a));
+        let [before, now] = angles.map(|a| self.common_rotation(scene, a));
         let off = (now - before) / period - self.speeds(frequency)[0];
         for (gear, ratio) in scene.gears().iter().zip(ratios) {
             turn_faster(gear, state, -ratio * off);
@@ -362,7 +362,7 @@ fn turn_faster(gear: &SceneGear, state: &mut State, by: f64) {
 }
 
 /// A speed that is constant from a time on, at which it has come as far as `turned`.
-fn goes_on(t: f64, turned: f64, speed: f64) -> Profile {
+fn constant_speed_from(t: f64, turned: f64, speed: f64) -> Profile {
     if t <= 0.0 {
         return Profile::Constant(speed);
     }

@@ -91,7 +91,7 @@ impl Pair {
 }
 
 /// Equilibria over one base pitch under the force of the loads.
-fn standing(plan: &Plan<'_>, entry: &Configuration) -> Result<StaticCycle, StudyError> {
+fn static_cycle(plan: &Plan<'_>, entry: &Configuration) -> Result<StaticCycle, StudyError> {
     let fail = |e| StudyError::Statics(entry.label.clone(), e);
     let pair = Pair::of_entry(plan, entry)?;
     let mut loaded =
@@ -133,7 +133,7 @@ pub fn check(name: &str, spec: &SceneSpec) -> Result<(), StudyError> {
 /// # Errors
 /// [`StudyError`] when there is no static contact.
 pub fn mesh_resonance(plan: &Plan<'_>, entry: &Configuration) -> Result<Option<f64>, StudyError> {
-    Ok(standing(plan, entry)?.resonance_hz)
+    Ok(static_cycle(plan, entry)?.resonance_hz)
 }
 
 /// Runs all models at all mesh frequencies, branch by branch.
@@ -146,13 +146,13 @@ pub fn sweep(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, StudyError
     let total = plan.count();
     let ends = [0, plan.frequencies.len().saturating_sub(1)].map(|i| plan.frequencies.get(i));
     for entry in plan.entries.iter().chain(&plan.standing) {
-        runner.tell(0, total, &format!("{}, at rest", entry.label));
+        runner.report_progress(0, total, &format!("{}, at rest", entry.label));
         let pair = Pair::of_entry(plan, entry)?;
         pair.check_speeds(&plan.conditions.name, ends.into_iter().flatten().copied())?;
         let key = Key::new("static cycle")
             .and_scene(&entry.scene, &entry.modelling)
             .and(&(plan.positions, ends));
-        let found = runner.piece(key, || standing(plan, entry));
+        let found = runner.piece(key, || static_cycle(plan, entry));
         match found.as_ref().err().and_then(ModelRefusal::refusal) {
             Some(why) => refused.push(entry.refused(why)),
             None => statics.push(found?),
@@ -186,7 +186,7 @@ pub fn sweep(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, StudyError
             turned = top.filter(|_| way == Branch::Up);
         }
     }
-    runner.tell(runs.len(), total, "report");
+    runner.report_progress(runs.len(), total, "report");
     runs.extend(refused);
     let entries = plan.entries.iter().chain(&plan.standing);
     let mesh_modes = mesh_modes(entries, plan.conditions.models, runner)?;
@@ -227,7 +227,7 @@ impl Branches<'_, '_> {
                 "{}, {branch}, mesh frequency {frequency:.0} Hz",
                 self.entry.label
             );
-            self.runner.tell(runs.len(), self.total, &what);
+            self.runner.report_progress(runs.len(), self.total, &what);
             let (row, end) = self.one(branch, frequency, from.as_ref())?;
             runs.push(row);
             // A run that failed leaves nothing: the branch goes on from the last that did.
@@ -303,7 +303,7 @@ impl Branches<'_, '_> {
                     return Ok::<_, StudyError>((settled(plan, entry, pair, way, row), None));
                 }
                 let turned = angles(&row, &entry.scene);
-                let off = pair.govern(&settling, &mut state, frequency, turned, period);
+                let off = pair.correct_speed(&settling, &mut state, frequency, turned, period);
                 drive -= off / (until - since);
                 spent.steps += row.steps;
                 spent.wall_s = spent.wall_s.max(0.0) + row.wall_s;

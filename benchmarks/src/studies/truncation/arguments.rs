@@ -1,6 +1,6 @@
 //! Arguments of `truncation`.
 
-use crate::cli::arguments::{Insist, Timed};
+use crate::cli::arguments::{AnyReference, TimedOutput};
 use crate::cli::values::DEFAULT_SCENE;
 use clap::Args;
 
@@ -39,8 +39,8 @@ pub struct Truncation {
     pub no_refine: bool,
     /// Where results go, how long a run may take, how often it is timed.
     #[command(flatten)]
-    pub run: Timed,
+    pub run: TimedOutput,
     /// Whether a reference of other gears will do.
     #[command(flatten)]
-    pub insist: Insist,
+    pub insist: AnyReference,
 }

@@ -4,18 +4,18 @@ use super::arguments::Truncation;
 use super::plan::{Plan, sides};
 use super::run::study;
 use super::summary::summarise;
-use crate::cli::answer::Answer;
+use crate::cli::command_result::CommandResult;
 use crate::cli::exit::Exit;
 use crate::cli::study_folder::StudyFolder;
 use crate::cli::terminal::{Refusal, references_of, refuse_run};
 use crate::experiment::conditions::Conditions;
-use crate::experiment::referenced::recorded;
+use crate::experiment::reference_series::recorded;
 use crate::experiment::settings::settings;
 use crate::scene_file;
 use gearbench_reports::Study;
 
 /// Runs the study and writes its folder.
-pub fn run(args: &Truncation, command: &str) -> Result<Answer, Refusal> {
+pub fn run(args: &Truncation, command: &str) -> Result<CommandResult, Refusal> {
     let mut scene = scene_file::load(&args.scene)?;
     let references = references_of(&mut scene, &args.insist)?;
     let (elastic, full) = sides(&scene, args)?;
@@ -25,7 +25,7 @@ pub fn run(args: &Truncation, command: &str) -> Result<Answer, Refusal> {
         events: true,
         repeats: args.run.repeats,
         timeout: args.run.bounded.timeout(),
-        ..Conditions::of(&scene).held_against(&references)
+        ..Conditions::of(&scene).compared_with(&references)
     };
     let plan = Plan {
         external: (references.iter())

@@ -35,7 +35,7 @@ const PUBLISHED_MODES: usize = 200;
 
 /// Variant of modal truncation.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Way {
+pub(super) struct TruncationVariant {
     /// Label of the variant in the record.
     pub label: &'static str,
     /// Criterion of the mode selection, the parameter `choose`.
@@ -47,24 +47,29 @@ pub(super) struct Way {
 }
 
 /// Truncation variants that are compared.
-pub(super) const WAYS: [Way; 5] = [
-    way("by flank compliance", BY_COMPLIANCE, true, 1.0),
+pub(super) const VARIANTS: [TruncationVariant; 5] = [
+    variant("by flank compliance", BY_COMPLIANCE, true, 1.0),
     // What the step costs beside what the cut modes cost.
-    way(
+    variant(
         "by flank compliance, a quarter of the step",
         BY_COMPLIANCE,
         true,
         0.25,
     ),
-    way("by frequency", Criterion::Frequency, true, 1.0),
-    way("truncated, by flank compliance", BY_COMPLIANCE, false, 1.0),
-    way("truncated, by frequency", Criterion::Frequency, false, 1.0),
+    variant("by frequency", Criterion::Frequency, true, 1.0),
+    variant("truncated, by flank compliance", BY_COMPLIANCE, false, 1.0),
+    variant("truncated, by frequency", Criterion::Frequency, false, 1.0),
 ];
 
 const BY_COMPLIANCE: Criterion = Criterion::FlankCompliance;
 
-const fn way(label: &'static str, choose: Criterion, residual: bool, step: f64) -> Way {
-    Way {
+const fn variant(
+    label: &'static str,
+    choose: Criterion,
+    residual: bool,
+    step: f64,
+) -> TruncationVariant {
+    TruncationVariant {
         label,
         choose,
         residual,
@@ -94,24 +99,24 @@ pub(super) struct Plan<'a> {
 /// Truncation variant and number of modes of a run.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Case {
-    pub way: Way,
-    pub modes: Kept,
+    pub way: TruncationVariant,
+    pub modes: ModeBound,
     pub mark: Option<&'static str>,
 }
 
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Kept {
+pub(super) enum ModeBound {
     /// Upper bound on the number of modes per gear.
     Count(usize),
     /// All modes below a frequency [Hz].
     Below(f64),
 }
 
-impl std::fmt::Display for Kept {
+impl std::fmt::Display for ModeBound {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
-            Kept::Count(n) => write!(f, "{n} modes"),
-            Kept::Below(hz) => write!(f, "modes to {:.0} kHz", 1e-3 * hz),
+            ModeBound::Count(n) => write!(f, "{n} modes"),
+            ModeBound::Below(hz) => write!(f, "modes to {:.0} kHz", 1e-3 * hz),
         }
     }
 }
@@ -146,12 +151,12 @@ impl Plan<'_> {
     /// Returns the runs of the grid, without refinement.
     pub fn cases(&self) -> Vec<Case> {
         let mut cases = Vec::new();
-        for way in WAYS {
+        for way in VARIANTS {
             let published = !way.residual && way.choose == Criterion::Frequency;
             for &modes in &self.counts {
                 cases.push(Case {
                     way,
-                    modes: Kept::Count(modes),
+                    modes: ModeBound::Count(modes),
                     mark: (published && modes == PUBLISHED_MODES)
                         .then_some("plain truncation with 200 modes"),
                 });
@@ -159,7 +164,7 @@ impl Plan<'_> {
             if published {
                 cases.push(Case {
                     way,
-                    modes: Kept::Below(PUBLISHED_HZ),
+                    modes: ModeBound::Below(PUBLISHED_HZ),
                     mark: Some("plain truncation at 80 kHz"),
                 });
             }
@@ -186,8 +191,8 @@ impl Plan<'_> {
         let step = (self.method(case).resolution.step()).map(|h| h / case.way.step);
         ElasticParameters::change(&mut modelling, |p| {
             (p.modes, p.max_frequency_hz, p.target_error) = match case.modes {
-                Kept::Count(n) => (Some(n), None, None),
-                Kept::Below(hz) => (None, Some(hz), None),
+                ModeBound::Count(n) => (Some(n), None, None),
+                ModeBound::Below(hz) => (None, Some(hz), None),
             };
             p.choose = Some(case.way.choose);
             p.residual = Some(case.way.residual);

@@ -1,12 +1,12 @@
 //! Runs of the study over the number of modes.
 
-use super::plan::{Case, FULL, Kept, Plan, WAYS};
+use super::plan::{Case, FULL, ModeBound, Plan, VARIANTS};
+use crate::experiment::decimation::decimate_run;
 use crate::experiment::run::{Job, RunError, run};
 use crate::experiment::runner::Runner;
-use crate::experiment::thin::thin_row;
 use gearbench_reports::metrics::compare_all;
 use gearbench_reports::record::{Part, ReferenceSeries, Results, Run};
-use gearbench_reports::truncation::{LIMITS, ways};
+use gearbench_reports::truncation::{LIMITS, variants};
 
 /// Factor by which the time limit of the full model exceeds that of other runs.
 const PATIENCE: u32 = 10;
@@ -19,7 +19,7 @@ pub fn study(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, RunError> 
     let grid = plan.conditions.grid();
     let cases = plan.cases();
     let mut total = 1 + cases.len();
-    runner.tell(0, total, "full finite elements");
+    runner.report_progress(0, total, "full finite elements");
     let full = &plan.full;
     let job = Job {
         repeats: 0,
@@ -66,7 +66,7 @@ pub fn study(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, RunError> 
     let held = (job.key(), &plan.external);
     let one = |case: &Case, results: &mut Results, total: usize| -> Result<(), RunError> {
         let what = format!("{}, {}", case.modes, case.way.label);
-        runner.tell(results.runs.len(), total, &what);
+        runner.report_progress(results.runs.len(), total, &what);
         let modelling = plan.modelling(case);
         let method = plan.method(case);
         let job = Job {
@@ -80,7 +80,7 @@ pub fn study(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, RunError> 
                 row.metrics.extend(metrics);
             }
             row.contacts = None;
-            thin_row(&mut row);
+            decimate_run(&mut row);
             Ok::<_, RunError>(row)
         })?;
         row.model.clone_from(&plan.elastic.model);
@@ -90,7 +90,7 @@ pub fn study(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, RunError> 
         // The modes that were kept, as the model says; a model without any keeps none.
         row.modes = Some(row.modes.unwrap_or(0));
         row.mark = case.mark.map(Into::into);
-        runner.keeps(&row);
+        runner.reserve_memory(&row);
         results.runs.push(row);
         Ok(())
     };
@@ -98,13 +98,13 @@ pub fn study(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, RunError> 
         one(case, &mut results, total)?;
     }
     if plan.refine {
-        for way in WAYS.iter().filter(|w| w.residual && w.step == 1.0) {
+        for way in VARIANTS.iter().filter(|w| w.residual && w.step == 1.0) {
             for limit in LIMITS {
                 while let Some(modes) = between(&results, way.label, limit) {
                     total += 1;
                     let case = Case {
                         way: *way,
-                        modes: Kept::Count(modes),
+                        modes: ModeBound::Count(modes),
                         mark: None,
                     };
                     let before = counts(&results, way.label).len();
@@ -136,7 +136,7 @@ fn counts(results: &Results, label: &str) -> Vec<usize> {
 /// The number of modes halfway between the fewest that keep a limit and the next smaller that was tried; `None` when
 /// there is none in between, or nothing keeps the limit.
 fn between(results: &Results, label: &str, limit: f64) -> Option<usize> {
-    let ways = ways(results);
+    let ways = variants(results);
     let way = ways.iter().find(|w| w.label == label)?;
     let fewest = way.fewest(FULL, limit)?.modes?;
     let below = (counts(results, label).into_iter())
@@ -149,7 +149,7 @@ fn between(results: &Results, label: &str, limit: f64) -> Option<usize> {
 /// reaches the middle limit.
 fn keep_histories(results: &mut Results) {
     let mut keep = vec![0];
-    for way in ways(results) {
+    for way in variants(results) {
         let least = (way
             .errors(FULL, gearbench_reports::Metric::ForceL2)
             .into_iter())
@@ -205,7 +205,7 @@ mod tests {
             tried += 1;
         }
         // 0.5 / (1 + n) falls to 1 % at 49 modes.
-        let ways = ways(&results);
+        let ways = variants(&results);
         assert_eq!(ways[0].fewest("fe", 0.01).and_then(|r| r.modes), Some(49));
         assert!(tried <= 5, "{tried} runs");
         assert_eq!(between(&results, "by frequency", 1e-6), None);

@@ -2,9 +2,9 @@
 
 pub mod arguments;
 
-use crate::cli::answer::Answer;
-use crate::cli::files::{Overwriting, Staged};
-use crate::cli::terminal::{Refusal, absolute, say};
+use crate::cli::command_result::CommandResult;
+use crate::cli::files::{ReplaceableFiles, StagedFile};
+use crate::cli::terminal::{Refusal, absolute, print_line};
 use crate::scene_file;
 use arguments::Mesh as Arguments;
 use gearbench_models::spec::Body;
@@ -23,7 +23,7 @@ use std::time::Instant;
 const MARK: &str = "gearbench mesh";
 
 /// A gear with its mesh, before it is written.
-struct Meshed {
+struct GearWithMesh {
     name: String,
     material: Material,
     mesh: GearMesh,
@@ -31,9 +31,9 @@ struct Meshed {
     seconds: f64,
 }
 
-impl Meshed {
+impl GearWithMesh {
     /// The row of the table of meshes as JSON.
-    fn told(&self) -> Value {
+    fn to_json(&self) -> Value {
         let (m, q) = (&self.mesh.mesh, mesh::quality(&self.mesh.mesh));
         json!({
             "gear": self.name,
@@ -51,7 +51,7 @@ impl Meshed {
 }
 
 /// Meshes the gears, prints the mesh quality and writes the requested files.
-pub fn run(args: &Arguments, command: &str) -> Result<Answer, Refusal> {
+pub fn run(args: &Arguments, command: &str) -> Result<CommandResult, Refusal> {
     for (option, path, ending) in [("--out", &args.out, "inp"), ("--vtu", &args.vtu, "vtu")] {
         ends_in(option, path.as_deref(), ending)?;
     }
@@ -62,7 +62,7 @@ pub fn run(args: &Arguments, command: &str) -> Result<Answer, Refusal> {
     };
     table(&gears);
     let mut files = Files::default();
-    let overwriting = Overwriting {
+    let overwriting = ReplaceableFiles {
         inputs: &inputs_of(&args.input)?,
         mark: Some(MARK),
         force: args.force,
@@ -81,14 +81,18 @@ pub fn run(args: &Arguments, command: &str) -> Result<Answer, Refusal> {
         }
     }
     if files.0.is_empty() {
-        say("no file was written; `--out F.inp` writes a deck, `--vtu F.vtu` a file for ParaView");
+        print_line(
+            "no file was written; `--out F.inp` writes a deck, `--vtu F.vtu` a file for ParaView",
+        );
     }
-    let written: Vec<PathBuf> = files.keep()?.into_iter().map(absolute).collect();
+    let written: Vec<PathBuf> = files.commit()?.into_iter().map(absolute).collect();
     for path in &written {
-        say(&format!("written: {}", path.display()));
+        print_line(&format!("written: {}", path.display()));
     }
-    let gears: Vec<Value> = gears.iter().map(Meshed::told).collect();
-    Ok(Answer::done().with("gears", gears).with("written", written))
+    let gears: Vec<Value> = gears.iter().map(GearWithMesh::to_json).collect();
+    Ok(CommandResult::done()
+        .with("gears", gears)
+        .with("written", written))
 }
 
 /// Checks the extension of a file, by which other programs recognise its format.
@@ -155,7 +159,7 @@ pub(super) fn chosen<T>(
     Ok(found)
 }
 
-fn from_deck(args: &Arguments) -> Result<Vec<Meshed>, Refusal> {
+fn from_deck(args: &Arguments) -> Result<Vec<GearWithMesh>, Refusal> {
     let counts = [
         ("--flank", args.flank.is_some()),
         ("--fillet", args.fillet.is_some()),
@@ -177,13 +181,13 @@ fn from_deck(args: &Arguments) -> Result<Vec<Meshed>, Refusal> {
     let start = Instant::now();
     let refuse = |e: deck::DeckError| Refusal::Input(miette::miette!("{e}"));
     let deck = deck::read_in(&args.input, args.units).map_err(refuse)?;
-    deck.told().iter().for_each(|line| say(line));
+    deck.told().iter().for_each(|line| print_line(line));
     let gears = deck::gears(&deck).map_err(refuse)?;
     let seconds = start.elapsed().as_secs_f64() / gears.len().max(1) as f64;
     let gears = chosen(gears, args.gear.as_deref(), &args.input, |g| g.name.clone())?;
     Ok(gears
         .into_iter()
-        .map(|g| Meshed {
+        .map(|g| GearWithMesh {
             name: g.name,
             material: g.material,
             mesh: g.mesh,
@@ -192,7 +196,7 @@ fn from_deck(args: &Arguments) -> Result<Vec<Meshed>, Refusal> {
         .collect())
 }
 
-fn from_scene(args: &Arguments) -> Result<Vec<Meshed>, Refusal> {
+fn from_scene(args: &Arguments) -> Result<Vec<GearWithMesh>, Refusal> {
     if args.units.is_some() {
         return Err(Refusal::Input(miette::miette!(
             help = "leave it out",
@@ -220,7 +224,7 @@ fn from_scene(args: &Arguments) -> Result<Vec<Meshed>, Refusal> {
                 Body::Rack(rack) => mesh::rack(rack, &params),
             };
             let mesh = made.map_err(|e| refuse(&g.name, &e))?;
-            Ok(Meshed {
+            Ok(GearWithMesh {
                 name: g.name,
                 material: g.material,
                 mesh,
@@ -282,9 +286,9 @@ fn refuse(name: &str, e: &MeshError) -> Refusal {
     ))
 }
 
-fn table(gears: &[Meshed]) {
+fn table(gears: &[GearWithMesh]) {
     let width = gears.iter().map(|g| g.name.len()).max().unwrap_or(0).max(4);
-    say(&format!(
+    print_line(&format!(
         "{:<width$}  {:>5}  {:>7}  {:>8}  {:>8}  {:>8}  {:>15}  {:>8}  {:>9}",
         "gear",
         "teeth",
@@ -296,13 +300,13 @@ fn table(gears: &[Meshed]) {
         "greatest",
         "time"
     ));
-    say(&format!(
+    print_line(&format!(
         "{:<width$}  {:>5}  {:>7}  {:>8}  {:>8}  {:>8}  {:>7} {:>7}  {:>8}  {:>9}",
         "", "", "", "", "", "", "least", "mean", "aspect", "ms"
     ));
     for g in gears {
         let (m, q) = (&g.mesh.mesh, mesh::quality(&g.mesh.mesh));
-        say(&format!(
+        print_line(&format!(
             "{:<width$}  {:>5}  {:>7}  {:>8}  {:>8}  {:>8}  {:>7.3} {:>7.3}  {:>8.1}  {:>9.1}",
             g.name,
             g.mesh.teeth,
@@ -317,7 +321,7 @@ fn table(gears: &[Meshed]) {
         ));
         if q.min_scaled_jacobian <= 0.0 {
             let i = q.worst_element;
-            say(&format!(
+            print_line(&format!(
                 "  element {} (counted from 1) has a negative Jacobian and cannot be used by any program",
                 i + 1
             ));
@@ -325,7 +329,7 @@ fn table(gears: &[Meshed]) {
     }
 }
 
-fn write_deck(out: &mut dyn Write, g: &Meshed, title: &str) -> Result<(), String> {
+fn write_deck(out: &mut dyn Write, g: &GearWithMesh, title: &str) -> Result<(), String> {
     let options = GearDeck {
         title: title.to_owned(),
         modes: None,
@@ -367,13 +371,13 @@ fn write_vtu(out: &mut dyn Write, g: &GearMesh) -> Result<(), String> {
 
 /// Files that are renamed to their final names when all of them are complete.
 #[derive(Default)]
-struct Files(Vec<Staged>);
+struct Files(Vec<StagedFile>);
 
 impl Files {
     fn add(
         &mut self,
         path: &Path,
-        overwriting: &Overwriting<'_>,
+        overwriting: &ReplaceableFiles<'_>,
         write: impl Fn(&mut dyn Write) -> Result<(), String>,
     ) -> Result<(), Refusal> {
         let fail = |e: &dyn std::fmt::Display| Refusal::Files(format!("{}: {e}", path.display()));
@@ -383,17 +387,17 @@ impl Files {
                 &"is given twice; --out and --vtu need different names",
             ));
         }
-        let mut out = BufWriter::new(Staged::begin(path).map_err(|e| fail(&e))?);
+        let mut out = BufWriter::new(StagedFile::begin(path).map_err(|e| fail(&e))?);
         write(&mut out).map_err(|e| fail(&e))?;
         self.0.push(out.into_inner().map_err(|e| fail(&e))?);
         Ok(())
     }
 
     /// Renames all files to their final names.
-    fn keep(self) -> Result<Vec<PathBuf>, Refusal> {
-        let keep = |file: Staged| {
+    fn commit(self) -> Result<Vec<PathBuf>, Refusal> {
+        let keep = |file: StagedFile| {
             let path = file.path().to_owned();
-            let kept = file.keep();
+            let kept = file.commit();
             kept.map_err(|e| Refusal::Files(format!("{}: {e}", path.display())))?;
             Ok(path)
         };

@@ -1,15 +1,15 @@
 //! The command `gearbench reduce SCENE|DECK`: computes, reports and stores the modal basis of elastic gears.
 
 pub mod arguments;
-mod found;
 mod mounting;
+mod recognised_body;
 mod report;
 
-use crate::cli::answer::Answer;
-use crate::cli::files::Overwriting;
+use crate::cli::command_result::CommandResult;
+use crate::cli::files::ReplaceableFiles;
 use crate::cli::folder_lock::FolderLock;
 use crate::cli::progress::Display;
-use crate::cli::terminal::{Refusal, absolute, say};
+use crate::cli::terminal::{Refusal, absolute, print_line};
 use crate::scene_file;
 use crate::tools::mesh::{chosen, inputs_of, is_deck, named};
 use arguments::Reduce as Arguments;
@@ -57,7 +57,7 @@ struct Job {
 }
 
 /// A reduced gear: basis, properties and computing time.
-struct Done {
+struct ReducedGear {
     basis: Arc<Basis>,
     meta: Meta,
     /// True if the basis was taken from the cache.
@@ -67,7 +67,7 @@ struct Done {
 }
 
 /// Reduces the gears, prints the summaries and writes the requested files.
-pub fn run(args: &Arguments) -> Result<Answer, Refusal> {
+pub fn run(args: &Arguments) -> Result<CommandResult, Refusal> {
     let mut jobs = Vec::new();
     let display = Display::new(0);
     for input in &args.inputs {
@@ -82,23 +82,23 @@ pub fn run(args: &Arguments) -> Result<Answer, Refusal> {
     let _lock = folder.map(FolderLock::take).transpose()?;
     let mut gears = Vec::new();
     for (i, (job, file)) in jobs.iter().zip(&files).enumerate() {
-        display.tell(i, jobs.len(), &format!("reducing `{}`", job.name));
+        display.report_progress(i, jobs.len(), &format!("reducing `{}`", job.name));
         let done = reduce(args, job)?;
-        display.suspend(|| report::tell(job, &done));
-        let mut gear = report::told(job, &done);
+        display.suspend(|| report::print_report(job, &done));
+        let mut gear = report::to_json(job, &done);
         if let Some(path) = file {
             let size = store::write(path, &done.basis, &done.meta)
                 .map_err(|e| Refusal::Files(e.to_string()))?;
-            display.suspend(|| say(&report::line("written", &report::file(path, size))));
+            display.suspend(|| print_line(&report::line("written", &report::file(path, size))));
             gear["written"] = json!(absolute(path.clone()));
         }
         gears.push(gear);
     }
     drop(display);
     if args.out.is_none() {
-        say("no file was written; `--out F.npz` writes the reduction");
+        print_line("no file was written; `--out F.npz` writes the reduction");
     }
-    Ok(Answer::done().with("gears", gears))
+    Ok(CommandResult::done().with("gears", gears))
 }
 
 fn refuse(message: &str, help: &str) -> Refusal {
@@ -331,7 +331,7 @@ fn files(args: &Arguments, jobs: &[Job]) -> Result<Vec<Option<PathBuf>>, Refusal
     for input in &args.inputs {
         inputs.extend(inputs_of(input)?);
     }
-    let overwriting = Overwriting {
+    let overwriting = ReplaceableFiles {
         inputs: &inputs,
         // The arrays of the format that no other has.
         mark: Some("participation.npy"),
@@ -344,7 +344,7 @@ fn files(args: &Arguments, jobs: &[Job]) -> Result<Vec<Option<PathBuf>>, Refusal
     Ok(files.into_iter().map(Some).collect())
 }
 
-fn reduce(args: &Arguments, job: &Job) -> Result<Done, Refusal> {
+fn reduce(args: &Arguments, job: &Job) -> Result<ReducedGear, Refusal> {
     let most = args.modes.map(|n| n as usize);
     let by = match args.choose.as_str() {
         "flank-compliance" => Criterion::FlankCompliance,
@@ -394,7 +394,7 @@ fn reduce(args: &Arguments, job: &Job) -> Result<Done, Refusal> {
         meta.key.text(&meta.asked);
         basis = Arc::new(basis.with_modes(&kept));
     }
-    Ok(Done {
+    Ok(ReducedGear {
         basis,
         meta,
         hit: found.hit,

@@ -1,8 +1,8 @@
 //! Summary of a reduced gear, as text and as JSON.
 
-use super::found::{digits, found_of, of_found};
-use super::{Done, Job, hub};
-use crate::cli::terminal::say;
+use super::recognised_body::{digits, to_json as body_to_json, to_text};
+use super::{Job, ReducedGear, hub};
+use crate::cli::terminal::print_line;
 use gearbench_models::gear::elastic::reduced::FlankCompliance;
 use gearbench_reference::mesh;
 use gearbench_reference::recognise::{Involute, ToolCandidate};
@@ -30,48 +30,48 @@ pub(super) fn file(path: &Path, bytes: u64) -> String {
 }
 
 /// Prints the summary of a reduced gear.
-pub(super) fn tell(job: &Job, done: &Done) {
+pub(super) fn print_report(job: &Job, done: &ReducedGear) {
     let (basis, meta) = (&*done.basis, &done.meta);
     let shown = Toothing::of(basis, meta.motion, meta.teeth);
-    say(&format!("{}, from {}", job.name, job.source));
+    print_line(&format!("{}, from {}", job.name, job.source));
     for note in &job.notes {
-        say(&line("note", note));
+        print_line(&line("note", note));
     }
-    say(&line("mesh", &of_mesh(job)));
-    say(&line(
+    print_line(&line("mesh", &of_mesh(job)));
+    print_line(&line(
         "geometry",
         &of_toothing(&shown, meta.motion, meta.teeth),
     ));
     if let Some(fit) = &shown.involute {
-        say(&line("involute", &of_involute(fit)));
+        print_line(&line("involute", &of_involute(fit)));
         if let Some(tool) = shown.readings.first() {
-            say(&line("tool", &of_tools(tool, &shown.readings[1..])));
+            print_line(&line("tool", &of_tools(tool, &shown.readings[1..])));
         }
     }
     if let Some(found) = &job.found {
-        say(&line("found", &of_found(found)));
+        print_line(&line("found", &to_text(found)));
     }
-    say(&line("contact", &of_flanks(job, basis, &shown)));
-    say(&line("bore", &of_bore(job, meta.motion, basis)));
-    say(&line("inertia", &of_inertia(job, meta.motion, basis)));
+    print_line(&line("contact", &of_flanks(job, basis, &shown)));
+    print_line(&line("bore", &of_bore(job, meta.motion, basis)));
+    print_line(&line("inertia", &of_inertia(job, meta.motion, basis)));
     let m = &job.material;
-    say(&line(
+    print_line(&line(
         "material",
         &format!(
             "E = {:e} Pa, nu = {}, {} kg/m^3",
             m.young, m.poisson, m.density
         ),
     ));
-    say(&line("modes", &of_modes(basis, &meta.asked)));
+    print_line(&line("modes", &of_modes(basis, &meta.asked)));
     if let Some(text) = of_compliance(basis) {
-        say(&line("compliance", &text));
+        print_line(&line("compliance", &text));
     }
     let from = if done.hit { ", from the cache" } else { "" };
-    say(&line("time", &format!("{:.2} s{from}", done.seconds)));
+    print_line(&line("time", &format!("{:.2} s{from}", done.seconds)));
 }
 
 /// The summary of a reduced gear as JSON.
-pub(super) fn told(job: &Job, done: &Done) -> Value {
+pub(super) fn to_json(job: &Job, done: &ReducedGear) -> Value {
     let (basis, meta) = (&*done.basis, &done.meta);
     let shown = Toothing::of(basis, meta.motion, meta.teeth);
     let hertz: Vec<f64> = basis.omega.iter().map(|w| w / TAU).collect();
@@ -100,7 +100,7 @@ pub(super) fn told(job: &Job, done: &Done) -> Value {
             "profile_shift": t.profile_shift,
             "standard": t.standard,
         })).collect::<Vec<_>>(),
-        "found": job.found.as_ref().map(found_of),
+        "found": job.found.as_ref().map(body_to_json),
         "face_width_m": shown.width,
         "inertia": basis.inertia,
         "unknowns": basis.unknowns,

@@ -3,10 +3,10 @@
 pub(crate) mod arguments;
 mod file;
 
-use crate::cli::answer::Answer;
-use crate::cli::files::{Overwriting, folder_of, write_whole};
+use crate::cli::command_result::CommandResult;
+use crate::cli::files::{ReplaceableFiles, folder_of, write_whole};
 use crate::cli::progress::Display;
-use crate::cli::terminal::{Refusal, absolute, refuse_run, say};
+use crate::cli::terminal::{Refusal, absolute, print_line, refuse_run};
 use crate::experiment::conditions::Conditions;
 use crate::experiment::interruption;
 use crate::experiment::run::{Job, RunError, run as integrate};
@@ -31,7 +31,7 @@ const RTOL: f64 = 1e-10;
 const FINER: [f64; 2] = [0.5, 0.1];
 
 /// Runs the model, writes the reference file and prints its lines for the scene.
-pub fn run(args: &Reference, command: &str) -> Result<Answer, Refusal> {
+pub fn run(args: &Reference, command: &str) -> Result<CommandResult, Refusal> {
     let scene = scene_file::load_for(&args.scene, Selection::Labels(Some(&args.model)))?;
     let choices = scene.select(Some(&args.model))?;
     let [choice] = choices.as_slice() else {
@@ -54,7 +54,7 @@ pub fn run(args: &Reference, command: &str) -> Result<Answer, Refusal> {
     }
     let method = method(args, &other, &choice)?;
     can_be_written(&args.out)?;
-    let overwriting = Overwriting {
+    let overwriting = ReplaceableFiles {
         inputs: &scene.inputs(),
         mark: Some("# command: gearbench reference"),
         force: args.force,
@@ -62,25 +62,29 @@ pub fn run(args: &Reference, command: &str) -> Result<Answer, Refusal> {
     overwriting.check(&args.out)?;
     interruption::defer();
     let display = Display::new(2);
-    display.tell(0, 2, &format!("{} under {}", choice.label, told(&method)));
+    display.report_progress(
+        0,
+        2,
+        &format!("{} under {}", choice.label, scheme_text(&method)),
+    );
     let row = row(args, &other, &choice, &method)?;
     if row.status.is_failure() {
         return Err(Refusal::Failed(format!(
             "{} under {} did not complete the run: {}",
             choice.label,
-            told(&method),
+            scheme_text(&method),
             row.message.as_deref().unwrap_or("no reason given")
         )));
     }
     let finer = finer(&method);
-    display.tell(1, 2, &format!("its error, {}", told(&finer)));
+    display.report_progress(1, 2, &format!("its error, {}", scheme_text(&finer)));
     let check = self::row(args, &other, &choice, &finer)?;
     drop(display);
     let own = own_error(&row, &check);
     let note = match &own {
         Some(m) => format!(
             "own error, compared with {}: {}",
-            told(&finer),
+            scheme_text(&finer),
             [
                 ("force history", m.force_l2),
                 ("peak force", m.peak_force_rel),
@@ -97,7 +101,7 @@ pub fn run(args: &Reference, command: &str) -> Result<Answer, Refusal> {
         ),
         None => format!(
             "own error unknown: the run under {} was not completed",
-            told(&finer)
+            scheme_text(&finer)
         ),
     };
     // Legends are narrow: the command beside it has the step.
@@ -117,27 +121,31 @@ pub fn run(args: &Reference, command: &str) -> Result<Answer, Refusal> {
         move |e: std::io::Error| Refusal::Files(format!("{path}: {e}"))
     };
     write_whole(&args.out, &text).map_err(fail(&args.out))?;
-    say(&format!("{} under {}: {note}", choice.label, told(&method)));
-    say(&format!(
+    print_line(&format!(
+        "{} under {}: {note}",
+        choice.label,
+        scheme_text(&method)
+    ));
+    print_line(&format!(
         "written: {}",
         absolute(args.out.clone()).display()
     ));
-    let answer = Answer::done()
+    let answer = CommandResult::done()
         .with("written", absolute(args.out.clone()))
         .with("model", &choice.label)
-        .with("method", told(&method))
+        .with("method", scheme_text(&method))
         .with("scene_lines", &lines)
         .with("own_error", own.map(|m| json!({
             "force_l2": m.force_l2, "peak_force_rel": m.peak_force_rel, "impulse_rel": m.impulse_rel,
             "transmission_error_l2": m.transmission_error_l2,
         })));
     if !args.add {
-        say("in the scene, or with --add:");
-        say(&lines);
+        print_line("in the scene, or with --add:");
+        print_line(&lines);
         return Ok(answer);
     }
     let path = add(&scene, &lines)?;
-    say(&format!("added to {}:\n{lines}", path.display()));
+    print_line(&format!("added to {}:\n{lines}", path.display()));
     Ok(answer.with("added_to", absolute(path)))
 }
 
@@ -219,7 +227,10 @@ fn lines(
         "[[references]]".to_owned(),
         format!("name = {}", text(&name)),
     ];
-    lines.push(format!("csv = {}", text(&beside(&args.out, scene))));
+    lines.push(format!(
+        "csv = {}",
+        text(&path_from_scene(&args.out, scene))
+    ));
     lines.extend(conditions.lines(&scene.spec));
     if args.validate {
         lines.push("role = \"validate\"".into());
@@ -228,21 +239,21 @@ fn lines(
 }
 
 /// The path of a file relative to the folder of the scene.
-fn beside(file: &Path, scene: &SceneFile) -> String {
+fn path_from_scene(file: &Path, scene: &SceneFile) -> String {
     let whole = |path: &Path| folder_of(path).canonicalize().ok();
     let found = match &scene.origin {
         Origin::Shipped => None,
         Origin::File(path) => whole(path).zip(whole(file)),
     };
     let name = file.file_name().map(PathBuf::from).unwrap_or_default();
-    let path = found.map(|(scene, folder)| way(&scene, &folder).join(&name));
+    let path = found.map(|(scene, folder)| relative_path(&scene, &folder).join(&name));
     path.unwrap_or_else(|| file.to_owned())
         .display()
         .to_string()
 }
 
 /// The relative path from one folder to another: a scene with it can be moved together with the file.
-fn way(from: &Path, to: &Path) -> PathBuf {
+fn relative_path(from: &Path, to: &Path) -> PathBuf {
     let common = (from.components().zip(to.components())).take_while(|(a, b)| a == b);
     let common = common.count();
     if common == 0 {
@@ -288,7 +299,7 @@ fn finer(method: &Scheme) -> Scheme {
     })
 }
 
-fn told(method: &Scheme) -> String {
+fn scheme_text(method: &Scheme) -> String {
     match method.resolution {
         Resolution::Step(h) => format!("{}@{h:e}s", method.method),
         Resolution::Tolerance(rtol) => format!("{}@{rtol:e}", method.method),
@@ -369,7 +380,7 @@ fn with_lines(scene: &SceneFile, lines: &str) -> Result<(String, SceneFile), Ref
 fn add(scene: &SceneFile, lines: &str) -> Result<PathBuf, Refusal> {
     let path = scene_path(scene)?;
     let (text, mut whole) = with_lines(scene, lines)?;
-    whole.held(false)?;
+    whole.load_references(false)?;
     let there = std::fs::read_to_string(&path)
         .map_err(|e| Refusal::Files(format!("{}: {e}", path.display())))?;
     if there.trim_start_matches('\u{feff}') != scene.text() {

@@ -6,7 +6,7 @@ use crate::drawing::axis::Axis;
 use crate::drawing::canvas::DrawError;
 use crate::drawing::legend::Entry;
 use crate::drawing::panel::{Curve, Panel, chart};
-use crate::drawing::style::look;
+use crate::drawing::style::curve_style;
 
 /// Most entries in one chart: those that changed most.
 const MOST: usize = 8;
@@ -44,7 +44,12 @@ pub fn history(record: &CheckRecord) -> Result<Vec<Chart>, DrawError> {
     panel.curves = (trends.iter().enumerate())
         .map(|(i, t)| {
             let change = |p: &(u32, f64)| (f64::from(p.0), 100.0 * (p.1 / t.points[0].1 - 1.0));
-            Curve::joined(look(i), 1.6, 4.2, t.points.iter().map(change).collect())
+            Curve::joined(
+                curve_style(i),
+                1.6,
+                4.2,
+                t.points.iter().map(change).collect(),
+            )
         })
         .collect();
     let (low, high) = panel.ordinates();
@@ -54,7 +59,7 @@ pub fn history(record: &CheckRecord) -> Result<Vec<Chart>, DrawError> {
         0.1,
     ));
     let legend: Vec<Entry> = (trends.iter().enumerate())
-        .map(|(i, t)| Entry::marked(&t.entry, look(i), true))
+        .map(|(i, t)| Entry::marked(&t.entry, curve_style(i), true))
         .collect();
     let shown = match all > MOST {
         true => format!(" of the {MOST} entries of {all} that changed most"),

@@ -1,7 +1,7 @@
 //! Files of a regression check for other programs: summary in Markdown for a pull request, JUnit XML for a CI server,
 //! CSV.
 
-use super::{CheckRecord, Checked, CheckedValue, Finding, Verdict};
+use super::{CheckRecord, CheckedEntry, CheckedValue, Finding, Verdict};
 use crate::csv_table::{CsvTable, exact, number};
 use crate::escape::markdown as markdown_text;
 use maud::{PreEscaped, html};
@@ -26,7 +26,7 @@ pub fn markdown(record: &CheckRecord) -> String {
         ("Moved", Verdict::Moved),
         ("Reported alone", Verdict::Reported),
     ] {
-        let found: Vec<(&Checked, &Finding)> = of(verdict).collect();
+        let found: Vec<(&CheckedEntry, &Finding)> = of(verdict).collect();
         if found.is_empty() {
             continue;
         }
@@ -60,12 +60,13 @@ pub fn junit(record: &CheckRecord) -> String {
     }
     let of = |case: &str| {
         let entries = record.entries.iter();
-        let entries: Vec<&Checked> = entries.filter(|e| e.measured.case == case).collect();
+        let entries: Vec<&CheckedEntry> = entries.filter(|e| e.measured.case == case).collect();
         entries
     };
-    let count = |entries: &[&Checked]| entries.iter().map(|e| e.findings.len()).sum::<usize>();
-    let failed = |entries: &[&Checked]| entries.iter().map(|e| e.moved().count()).sum::<usize>();
-    let every: Vec<&Checked> = record.entries.iter().collect();
+    let count = |entries: &[&CheckedEntry]| entries.iter().map(|e| e.findings.len()).sum::<usize>();
+    let failed =
+        |entries: &[&CheckedEntry]| entries.iter().map(|e| e.moved().count()).sum::<usize>();
+    let every: Vec<&CheckedEntry> = record.entries.iter().collect();
     let xml = html! {
         testsuites name="gearbench check" tests=(count(&every)) failures=(failed(&every)) {
             @for case in &cases {
@@ -75,7 +76,7 @@ pub fn junit(record: &CheckRecord) -> String {
                         testcase classname=(format!("{}.{}.{}", case, e.measured.model, e.measured.method))
                             name=(format!("{} {}", f.kind, f.what)) {
                             @if f.verdict == Verdict::Moved {
-                                failure message=(f.told()) type=(f.kind) { (e.measured.name()) ": " (f.told()) }
+                                failure message=(f.to_text()) type=(f.kind) { (e.measured.name()) ": " (f.to_text()) }
                             }
                         }
                     } }
@@ -115,7 +116,7 @@ pub fn tables(record: &CheckRecord) -> Vec<CsvTable> {
         "check.csv",
         rows,
         &[
-            ("case", &|(e, _): &(&Checked, &Finding)| {
+            ("case", &|(e, _): &(&CheckedEntry, &Finding)| {
                 e.measured.case.clone()
             }),
             ("scene", &|(e, _)| e.measured.scene.clone()),

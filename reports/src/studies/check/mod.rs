@@ -56,7 +56,7 @@ words! {
 /// One entry as it was measured, and as baselines keep it.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
-pub struct Measured {
+pub struct MeasuredEntry {
     /// Name of the case.
     pub case: String,
     /// Scene of the case.
@@ -82,14 +82,14 @@ pub struct Measured {
     pub parameters: BTreeMap<String, BTreeMap<String, serde_json::Value>>,
 }
 
-impl Measured {
+impl MeasuredEntry {
     /// Returns the name in messages, which is unique in a check.
     pub fn name(&self) -> String {
         format!("{} / {} / {}", self.case, self.model, self.method)
     }
 
     /// True if both are the same entry: same case, model and method.
-    pub fn is(&self, other: &Measured) -> bool {
+    pub fn is(&self, other: &MeasuredEntry) -> bool {
         (&self.case, &self.model, &self.method) == (&other.case, &other.model, &other.method)
     }
 }
@@ -177,7 +177,7 @@ impl Finding {
     }
 
     /// Returns the finding in one line: `peak_force_n 3612.3, baseline 3599.1 (+0.37 %, allowed 1e-6 of it)`.
-    pub fn told(&self) -> String {
+    pub fn to_text(&self) -> String {
         let change = self.change.map_or(String::new(), |c| {
             format!("{}\u{a0}%, ", numbers::deviation(c, 3))
         });
@@ -197,15 +197,15 @@ impl Finding {
 /// An entry with its findings.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
-pub struct Checked {
+pub struct CheckedEntry {
     /// Entry as it was measured; for an entry that only the baseline has, as the baseline stores it.
     #[serde(flatten)]
-    pub measured: Measured,
+    pub measured: MeasuredEntry,
     /// Findings on all quantities of the entry.
     pub findings: Vec<Finding>,
 }
 
-impl Checked {
+impl CheckedEntry {
     /// Returns the quantities beyond their tolerance.
     pub fn moved(&self) -> impl Iterator<Item = &Finding> {
         self.of(Verdict::Moved)
@@ -238,7 +238,7 @@ pub struct Stored {
 /// A quantity of an entry over all baselines, the present run last.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Trend {
-    /// Name of the entry, see [`Measured::name`].
+    /// Name of the entry, see [`MeasuredEntry::name`].
     pub entry: String,
     /// Number of the baseline (of the present run the next one) and value.
     pub points: Vec<(u32, f64)>,
@@ -254,7 +254,7 @@ pub struct CheckRecord {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stored: Option<Stored>,
     /// All entries of the check.
-    pub entries: Vec<Checked>,
+    pub entries: Vec<CheckedEntry>,
     /// Key of the quantity whose history is drawn.
     pub quantity: String,
     /// History of that quantity, one trend per entry.
@@ -263,7 +263,7 @@ pub struct CheckRecord {
 
 impl CheckRecord {
     /// Returns the entries with a quantity beyond its tolerance.
-    pub fn moved(&self) -> impl Iterator<Item = &Checked> {
+    pub fn moved(&self) -> impl Iterator<Item = &CheckedEntry> {
         self.entries.iter().filter(|e| e.moved().next().is_some())
     }
 

@@ -1,13 +1,13 @@
 //! The page of a regression check: quantities beyond their tolerance, then all quantities.
 
-use super::{CheckRecord, Checked, Finding, Kind, Verdict};
+use super::{CheckRecord, CheckedEntry, Finding, Kind, Verdict};
 use crate::markup::table::Table;
 use crate::markup::{glance, note, section};
 use crate::view::capital;
 use maud::{Markup, html};
 
 /// A finding with the entry that it is of, and that one's place.
-type Row<'a> = (usize, &'a Checked, &'a Finding);
+type Row<'a> = (usize, &'a CheckedEntry, &'a Finding);
 
 fn rows(record: &CheckRecord, keep: impl Fn(&Finding) -> bool) -> Vec<Row<'_>> {
     let entries = record.entries.iter().enumerate();

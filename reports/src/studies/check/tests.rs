@@ -20,12 +20,12 @@ fn record() -> CheckRecord {
         allowed: "no change".into(),
         verdict: Verdict::Moved,
     };
-    let measured = Measured {
+    let measured = MeasuredEntry {
         case: "impact <1> & \"more\"".into(),
         scene: "spur_impact".into(),
         model: "rigid".into(),
         method: "newmark@5e-7".into(),
-        ..Measured::default()
+        ..MeasuredEntry::default()
     };
     CheckRecord {
         file: "check.toml".into(),
@@ -34,7 +34,7 @@ fn record() -> CheckRecord {
             created: "2026-11-22T10:09:15Z".into(),
             ..Stored::default()
         }),
-        entries: vec![Checked {
+        entries: vec![CheckedEntry {
             measured,
             findings: vec![held, moved],
         }],

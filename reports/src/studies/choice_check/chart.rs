@@ -5,18 +5,18 @@ use crate::drawing::axis::Axis;
 use crate::drawing::canvas::{DrawError, Ink};
 use crate::drawing::legend::Entry;
 use crate::drawing::panel::{Curve, Panel, chart};
-use crate::drawing::style::{Look, Marker, look};
+use crate::drawing::style::{CurveStyle, Marker, curve_style};
 use crate::record::finite;
 use crate::studies::choice_check::{Outcome, ValidatedChoice, quantile};
 
 /// Marker of scenes in which the choice missed.
-const MISSED: Look = Look {
+const MISSED: CurveStyle = CurveStyle {
     ink: Ink::FAIL,
     dash: &[],
     marker: Marker::Wedge,
 };
 /// Marker of scenes without any adequate candidate.
-const NONE: Look = Look {
+const NONE: CurveStyle = CurveStyle {
     ink: Ink::GREY,
     dash: &[],
     marker: Marker::Diamond,
@@ -53,7 +53,7 @@ pub fn choice_check(choices: &[ValidatedChoice]) -> Result<Vec<Chart>, DrawError
     }
     let n = scenes.len() as f64;
     let x = Axis::linear(0.0, n + 1.0);
-    let points = |look: Look,
+    let points = |look: CurveStyle,
                   radius: f64,
                   filled: bool,
                   keep: &dyn Fn(&ValidatedChoice) -> bool,
@@ -75,7 +75,7 @@ pub fn choice_check(choices: &[ValidatedChoice]) -> Result<Vec<Chart>, DrawError
     }
     let adequate = is(Outcome::Adequate);
     let ratio = |s: &ValidatedChoice| s.cost_ratio();
-    cost.curves = vec![points(look(1), 3.8, true, &adequate, &ratio)];
+    cost.curves = vec![points(curve_style(1), 3.8, true, &adequate, &ratio)];
     // Misses and scenes without an answer have no ratio: they stand on the strip above.
     for (kept, look) in [
         (
@@ -93,9 +93,9 @@ pub fn choice_check(choices: &[ValidatedChoice]) -> Result<Vec<Chart>, DrawError
 
     let [low, high] = ERRORS;
     let within = |x: Option<f64>| x.map(|x| x.clamp(1.05 * low, 0.95 * high));
-    let pale = Look {
+    let pale = CurveStyle {
         ink: Ink::PALE,
-        ..look(1)
+        ..curve_style(1)
     };
     let predicted = |s: &ValidatedChoice| within(Some(s.predicted_error? / s.tolerance));
     let found = |s: &ValidatedChoice| within(s.error_ratio());
@@ -106,14 +106,14 @@ pub fn choice_check(choices: &[ValidatedChoice]) -> Result<Vec<Chart>, DrawError
         limits: vec![(1.0, "tolerance".into())],
         ..Panel::new(230.0, &x, "error / tolerance").curves([
             points(pale, 3.2, false, &|s| s.chosen.is_some(), &predicted),
-            points(look(1), 3.8, true, &adequate, &found),
+            points(curve_style(1), 3.8, true, &adequate, &found),
             points(MISSED, 4.8, true, &is(Outcome::Inadequate), &found),
             points(NONE, 3.8, false, &|s| s.chosen.is_none(), &least),
         ])
     };
 
     let legend = [
-        Entry::marked("choice adequate", look(1), true),
+        Entry::marked("choice adequate", curve_style(1), true),
         Entry::marked("choice missed the tolerance", MISSED, true),
         Entry::marked("none chosen: least error there is", NONE, false),
         Entry::marked("error as predicted", pale, false),

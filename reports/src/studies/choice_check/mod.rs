@@ -46,7 +46,7 @@ impl Outcome {
 /// A candidate that was run on the whole scene.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
-pub struct TriedCandidate {
+pub struct ValidatedCandidate {
     /// Name of the candidate.
     pub name: String,
     /// Error against the reference; absent when it failed, or costs more than the cheapest that is adequate.
@@ -146,7 +146,7 @@ pub struct ValidatedChoice {
     pub note: Option<String>,
     /// All candidates; left out of stored records.
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub tried: Vec<TriedCandidate>,
+    pub tried: Vec<ValidatedCandidate>,
 }
 
 impl ValidatedChoice {

@@ -4,16 +4,16 @@ use crate::drawing::Chart;
 use crate::drawing::axis::{Axis, Frame, TICK_SIZE};
 use crate::drawing::canvas::{Anchor, DrawError, Ink, Type, draw};
 use crate::drawing::geometry::Rect;
-use crate::drawing::labels::Room;
+use crate::drawing::labels::OccupiedArea;
 use crate::drawing::panel::{LEFT, RIGHT, WIDTH, extremes};
 use crate::drawing::scatter;
-use crate::drawing::style::{look, marker};
+use crate::drawing::style::{curve_style, marker};
 use crate::numbers::{Prefix, quantity, short};
-use crate::studies::choose::{Adequacy, ChoiceRecord, TriedRecord};
+use crate::studies::choose::{Adequacy, CandidateRecord, ChoiceRecord};
 
 /// A candidate that has both an error and a cost.
 struct Point<'a> {
-    tried: &'a TriedRecord,
+    tried: &'a CandidateRecord,
     style: usize,
     cost: f64,
     error: f64,
@@ -23,7 +23,7 @@ struct Point<'a> {
 /// Draws the chart of a choice.
 pub fn choose(choice: &ChoiceRecord) -> Result<Option<Chart>, DrawError> {
     let families = choice.families();
-    let style = |t: &TriedRecord| families.iter().position(|f| *f == t.family).unwrap_or(0);
+    let style = |t: &CandidateRecord| families.iter().position(|f| *f == t.family).unwrap_or(0);
     let positive = |x: Option<f64>| x.filter(|x| x.is_finite() && *x > 0.0);
     let points: Vec<Point<'_>> = (choice.tried.iter().enumerate())
         .filter_map(|(i, t)| {
@@ -44,7 +44,7 @@ pub fn choose(choice: &ChoiceRecord) -> Result<Option<Chart>, DrawError> {
             let why = t.failure.as_deref()?;
             let why = why.split(':').next().unwrap_or(why);
             let text = format!("{}, {}: {why}", t.level, t.method());
-            Some((look(style(t)).ink, text))
+            Some((curve_style(style(t)).ink, text))
         })
         .collect();
     let limit = 100.0 * choice.tolerance;
@@ -64,22 +64,22 @@ pub fn choose(choice: &ChoiceRecord) -> Result<Option<Chart>, DrawError> {
         let name = format!("estimated error of the {} [%]", choice.metric_title);
         let cost = format!("processor time for the whole scene [{}s]", prefix.symbol);
         frame.paint(c, &cost, &name, true);
-        let mut room = Room::of(area);
+        let mut room = OccupiedArea::of(area);
         let tolerance = scatter::tolerance(c, &frame, limit, &mut room);
         let at = |p: &Point<'_>| frame.at(p.cost * prefix.factor, p.error);
         for p in &points {
-            let mut l = look(p.style);
+            let mut l = curve_style(p.style);
             let adequate = p.tried.adequate == Adequacy::Adequate;
             let radius = if adequate { 5.2 } else { 3.6 };
             if !adequate {
                 l.ink = l.ink.opacity(0.35);
             }
             marker(c, at(p), radius, l, true);
-            room.keep_point(at(p), radius + 1.0);
+            room.occupy_point(at(p), radius + 1.0);
         }
         if let Some(p) = points.iter().find(|p| p.chosen) {
             c.circle(at(p), 10.0, Ink::DARK, Some(2.0));
-            room.keep_point(at(p), 10.0);
+            room.occupy_point(at(p), 10.0);
             let cost = quantity(p.cost, "s", 3);
             let text = format!("{}, {}: {cost}", p.tried.level, p.tried.method());
             let kind = Type::new(TICK_SIZE, Anchor::Start).bold();

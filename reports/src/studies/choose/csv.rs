@@ -1,6 +1,6 @@
 //! CSV tables of a model choice: its candidates, and the levels of its hierarchy.
 
-use super::{ChoiceRecord, LevelRecord, TriedRecord};
+use super::{CandidateRecord, ChoiceRecord, LevelRecord};
 use crate::csv_table::{CsvTable, number, text};
 
 /// Returns the tables with a row per candidate, and with a row per level.
@@ -9,7 +9,7 @@ pub fn tables(choice: &ChoiceRecord) -> Vec<CsvTable> {
 }
 
 fn candidates(choice: &ChoiceRecord) -> CsvTable {
-    CsvTable::new::<(usize, &TriedRecord)>(
+    CsvTable::new::<(usize, &CandidateRecord)>(
         "choose.csv",
         choice.tried.iter().enumerate(),
         &[

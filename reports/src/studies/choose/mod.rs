@@ -92,7 +92,7 @@ pub struct ChoiceRecord {
     #[serde(alias = "rungs")]
     pub levels: Vec<LevelRecord>,
     /// Candidates that were run on the window.
-    pub tried: Vec<TriedRecord>,
+    pub tried: Vec<CandidateRecord>,
 }
 
 /// A level of the hierarchy.
@@ -134,7 +134,7 @@ pub struct LevelRecord {
 /// A candidate that was run on the window.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
-pub struct TriedRecord {
+pub struct CandidateRecord {
     /// Name of the candidate's level.
     #[serde(alias = "rung")]
     pub level: String,
@@ -198,7 +198,7 @@ fn is_zero(n: &u64) -> bool {
     *n == 0
 }
 
-impl TriedRecord {
+impl CandidateRecord {
     /// Returns the integrator with its step or tolerance.
     #[must_use]
     pub fn method(&self) -> String {
@@ -226,7 +226,7 @@ impl ChoiceRecord {
 
     /// Returns the chosen candidate; `None` when nothing is adequate.
     #[must_use]
-    pub fn choice(&self) -> Option<&TriedRecord> {
+    pub fn choice(&self) -> Option<&CandidateRecord> {
         self.tried.get(self.chosen?)
     }
 

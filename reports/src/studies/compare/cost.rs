@@ -4,10 +4,10 @@ use crate::drawing::Chart;
 use crate::drawing::axis::{Axis, Frame, TICK_SIZE};
 use crate::drawing::canvas::{Anchor, Canvas, DrawError, Ink, Stroke, Type, draw, text_width};
 use crate::drawing::geometry::Rect;
-use crate::drawing::labels::Room;
+use crate::drawing::labels::OccupiedArea;
 use crate::drawing::panel::{LEFT, RIGHT, WIDTH, extremes};
 use crate::drawing::scatter::{self, Numbers};
-use crate::drawing::style::{cross, look, marker};
+use crate::drawing::style::{cross, curve_style, marker};
 use crate::numbers::{Prefix, quantity, short};
 use crate::record::{Run, Status};
 use crate::view::{NOTHING, View, capital, resolution};
@@ -66,7 +66,7 @@ pub fn runtime(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
         let mut y = area.y0 + 3.0;
         for group in &view.groups {
             let middle = y + 0.6 * HEAD;
-            marker(c, (9.0, middle), 5.2, look(group.style), true);
+            marker(c, (9.0, middle), 5.2, curve_style(group.style), true);
             let bold = Type::new(13.5, Anchor::Start).bold();
             c.text(&group.label, (20.0, middle), bold);
             y += HEAD;
@@ -125,7 +125,7 @@ fn bar(c: &mut Canvas<'_>, frame: &Frame, run: &Run, style: usize, y: f64, prefi
         c.text(text, (plate.x0 + 18.0, middle), kind);
         return;
     }
-    let ink = look(style).ink;
+    let ink = curve_style(style).ink;
     let (end, _) = frame.at(run.cost_s() * prefix.factor, 0.0);
     let rect = Rect::new(full.x0, full.y0, end.max(full.x0 + 1.0), full.y1);
     let mut text = quantity(run.cost_s(), "s", 3);
@@ -169,7 +169,7 @@ pub fn accuracy(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
                 resolution(r),
                 r.status
             );
-            (look(style).ink, text)
+            (curve_style(style).ink, text)
         })
         .collect();
     let relative = view.metric.unit().is_empty();
@@ -196,13 +196,13 @@ pub fn accuracy(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
         scatter::failures(c, &failed, top, "the table of failures");
         let frame = Frame { area, x, y };
         frame.paint(c, "processor time [ms]", &view.metric.axis(), true);
-        let mut room = Room::of(area);
+        let mut room = OccupiedArea::of(area);
         let tolerance = limit.map(|l| (scatter::tolerance(c, &frame, l, &mut room), l));
         let points: Vec<(f64, f64)> = (good.iter())
             .map(|(_, r, e)| frame.at(r.cost_s() * 1e3, e * factor))
             .collect();
         for p in &points {
-            room.keep_point(*p, 6.0);
+            room.occupy_point(*p, 6.0);
         }
         let small = Type::new(TICK_SIZE, Anchor::Start);
         if let Some((y, limit)) = tolerance {
@@ -213,7 +213,7 @@ pub fn accuracy(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
             room.write(c, &numbers.text(&run.integrator), *p, small);
         }
         for ((style, run, _), p) in good.iter().zip(&points) {
-            marker(c, *p, 5.2, look(*style), !run.implicit);
+            marker(c, *p, 5.2, curve_style(*style), !run.implicit);
         }
         numbers.paint(c, below);
     })?;

@@ -5,7 +5,7 @@ use crate::drawing::axis::nice_step;
 use crate::drawing::canvas::{Anchor, Canvas, DrawError, Ink, Stroke, Type, draw, text_width};
 use crate::drawing::geometry::Rect;
 use crate::drawing::panel::WIDTH;
-use crate::drawing::style::{look, marker};
+use crate::drawing::style::{curve_style, marker};
 use crate::numbers::{quantity, short};
 use crate::record::{ContactSnapshot, DeformedSection, Run};
 use crate::view::View;
@@ -60,7 +60,7 @@ pub fn deformed(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
     let title = "Deformed teeth at peak force";
     let svg = draw(WIDTH, HEIGHT + 30.0, title, |c| {
         let area = Rect::new(1.0, 29.0, WIDTH - 1.0, 29.0 + HEIGHT);
-        marker(c, (9.0, 14.0), 5.2, look(style), true);
+        marker(c, (9.0, 14.0), 5.2, curve_style(style), true);
         let bold = Type::new(13.5, Anchor::Start).bold();
         let heading = format!(
             "{label} ({}), displacements {} times as large",
@@ -82,10 +82,10 @@ pub fn deformed(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
             let still: Vec<_> = still.iter().map(|p| at(p[0], p[1])).collect();
             let moved: Vec<_> = moved.iter().map(|p| at(p[0], p[1])).collect();
             c.line_within(&still, &area, Stroke::dashed(Ink::GREY, 1.0, &[4.0, 3.0]));
-            c.line_within(&moved, &area, Stroke::new(look(style).ink, 1.8));
+            c.line_within(&moved, &area, Stroke::new(curve_style(style).ink, 1.8));
             for p in &moved {
                 if area.holds(*p) {
-                    c.circle(*p, 1.6, look(style).ink, None);
+                    c.circle(*p, 1.6, curve_style(style).ink, None);
                 }
             }
         }

@@ -66,12 +66,12 @@ fn cheapest(view: &View<'_>) -> Markup {
     match view.limit {
         Some(_) if view.against.as_deref() == Some(SELF) => of_integration(view),
         Some(most) => within(view, most),
-        None => no_limit(view),
+        None => without_tolerance(view),
     }
 }
 
 /// Returns the sentence for a scene without tolerance.
-fn no_limit(view: &View<'_>) -> Markup {
+fn without_tolerance(view: &View<'_>) -> Markup {
     let by_integration = view
         .results
         .tolerance
@@ -79,7 +79,7 @@ fn no_limit(view: &View<'_>) -> Markup {
         .filter(|t| t.against == SELF);
     match (&view.yardstick, by_integration) {
         (Some(_), Some(t)) => html! {
-            "The tolerance of the scene (" (asked(view, t)) ") is one of integration, so that no model is called adequate or not."
+            "The tolerance of the scene (" (limit_text(view, t)) ") is one of integration, so that no model is called adequate or not."
         },
         (Some(_), None) => html! {
             "The scene has no `tolerance`, so that no model is called adequate or not."
@@ -89,7 +89,7 @@ fn no_limit(view: &View<'_>) -> Markup {
 }
 
 /// Formats the limit of a tolerance with its metric.
-fn asked(view: &View<'_>, tolerance: &Tolerance) -> String {
+fn limit_text(view: &View<'_>, tolerance: &Tolerance) -> String {
     let most = match tolerance.metric.unit() {
         "" => limit(tolerance.limit),
         unit => quantity(tolerance.limit, unit, 3),
@@ -111,14 +111,14 @@ fn of_integration(view: &View<'_>) -> Markup {
     let time = |r: &Run| quantity(r.cost_s(), "s", 3);
     match (found, &view.results.tolerance) {
         (Some(run), Some(t)) => html! {
-            (nothing) " The cheapest run that is integrated within the scene's tolerance (" (asked(view, t)) ") is "
+            (nothing) " The cheapest run that is integrated within the scene's tolerance (" (limit_text(view, t)) ") is "
             (named(run)) ", in " (time(run)) "."
         },
         (Some(run), None) => html! {
             (nothing) " The cheapest run whose integration converged is " (named(run)) ", in " (time(run)) "."
         },
         (None, Some(t)) => html! {
-            (nothing) " No run is integrated within the scene's tolerance (" (asked(view, t)) ")."
+            (nothing) " No run is integrated within the scene's tolerance (" (limit_text(view, t)) ")."
         },
         (None, None) => html! { (nothing) " The integration of no run was judged as converged." },
     }

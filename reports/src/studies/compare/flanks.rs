@@ -10,7 +10,7 @@ use crate::drawing::canvas::{Anchor, Canvas, DrawError, Ink, Stroke, Type, draw}
 use crate::drawing::geometry::Rect;
 use crate::drawing::heat::colour;
 use crate::drawing::panel::WIDTH;
-use crate::drawing::style::{look, marker};
+use crate::drawing::style::{curve_style, marker};
 use crate::numbers::{Prefix, counted, quantity};
 use crate::record::{FlankLoad, FlankPatch, FlankValue, Run};
 use crate::view::View;
@@ -30,7 +30,7 @@ const MOST_TEETH: usize = 4;
 const LINE: f64 = 5.0;
 
 /// Flank loads of a model at its peak force.
-struct Borne<'a> {
+struct PeakLoads<'a> {
     label: &'a str,
     style: usize,
     run: &'a Run,
@@ -39,8 +39,8 @@ struct Borne<'a> {
 }
 
 /// Returns the first model and the one with most contacts, each with its most loaded flanks.
-fn chosen<'a>(view: &'a View<'a>) -> Vec<Borne<'a>> {
-    let mut all: Vec<Borne<'a>> = Vec::new();
+fn chosen<'a>(view: &'a View<'a>) -> Vec<PeakLoads<'a>> {
+    let mut all: Vec<PeakLoads<'a>> = Vec::new();
     for group in &view.groups {
         let of = |run: &'a Run| -> Option<(&'a FlankLoad, f64)> {
             let snapshot = run.contacts.as_ref()?;
@@ -54,7 +54,7 @@ fn chosen<'a>(view: &'a View<'a>) -> Vec<Borne<'a>> {
         if let Some((_, run)) = best.or_else(any)
             && let Some((load, time)) = of(run)
         {
-            all.push(Borne {
+            all.push(PeakLoads {
                 label: &group.label,
                 style: group.style,
                 run,
@@ -186,14 +186,14 @@ fn patch(c: &mut Canvas<'_>, frame: &Frame, p: &FlankPatch, greatest: f64) {
     }
 }
 
-fn heading(c: &mut Canvas<'_>, b: &Borne<'_>, y: f64, tail: &str) {
-    marker(c, (9.0, y), 5.2, look(b.style), true);
+fn heading(c: &mut Canvas<'_>, b: &PeakLoads<'_>, y: f64, tail: &str) {
+    marker(c, (9.0, y), 5.2, curve_style(b.style), true);
     let text = format!("{} ({}){tail}", b.label, b.run.integrator);
     c.text(&text, (21.0, y), Type::new(13.5, Anchor::Start).bold());
 }
 
 /// Draws the flanks at the peak, one map for each tooth in contact.
-fn at_peak(all: &[Borne<'_>]) -> Result<Chart, DrawError> {
+fn at_peak(all: &[PeakLoads<'_>]) -> Result<Chart, DrawError> {
     let row = ABOVE + MAP + BELOW;
     let title = "Load on the flanks at peak force";
     let svg = draw(WIDTH, row * all.len() as f64, title, |c| {
@@ -244,7 +244,7 @@ fn at_peak(all: &[Borne<'_>]) -> Result<Chart, DrawError> {
 }
 
 /// Draws the greatest load at each place of a flank over the run.
-fn over_run(all: &[Borne<'_>]) -> Result<Option<Chart>, DrawError> {
+fn over_run(all: &[PeakLoads<'_>]) -> Result<Option<Chart>, DrawError> {
     let shown: Vec<_> = (all.iter())
         .filter_map(|b| Some((b, b.load.over_run.as_ref().filter(|g| g.instants > 1)?)))
         .collect();

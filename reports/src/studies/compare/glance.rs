@@ -4,7 +4,7 @@
 use super::finding::costs;
 use crate::markup::table::Table;
 use crate::markup::{glance as section, note, section as plain};
-use crate::metrics::{Finished, Metric, compare_all};
+use crate::metrics::{FinishedRun, Metric, compare_all};
 use crate::numbers::{quantity, significant};
 use crate::record::{Ledger, Metrics, Run, SELF};
 use crate::view::{Group, View, resolution};
@@ -22,7 +22,7 @@ fn of_reference<'a>(view: &View<'a>) -> Option<Row<'a>> {
     let reference = view.reference()?;
     let end = *reference.series.time_s.last()?;
     let ledger = Ledger::default();
-    let own = Finished::reached(&reference.series, &ledger, [end, end]).ok()?;
+    let own = FinishedRun::reached(&reference.series, &ledger, [end, end]).ok()?;
     Some(Row {
         label: view.reference_name(&reference.id),
         results: compare_all(own, &reference.all_series(), &reference.id),

@@ -16,7 +16,7 @@ use crate::series::{TimeSeries, mesh_column, resample};
 use crate::view::View;
 
 /// A run that is drawn in a chart of histories.
-struct Drawn<'a> {
+struct DrawnRun<'a> {
     run: &'a Run,
     history: usize,
 }
@@ -25,7 +25,7 @@ struct Drawn<'a> {
 const MOST_OVERLAID: usize = 4;
 
 /// A mesh or a gear, and the column of a quantity of it.
-pub(super) struct Member {
+pub(super) struct MemberColumn {
     /// Name of the mesh or gear; empty if the scene has one only.
     pub name: String,
     pub column: String,
@@ -49,7 +49,7 @@ pub(super) struct History<'a> {
 /// Curves, time axes and names that all charts of histories share.
 pub(super) struct Histories<'a> {
     reference: Option<&'a ReferenceSeries>,
-    runs: Vec<Drawn<'a>>,
+    runs: Vec<DrawnRun<'a>>,
     /// The reference first, then one run per model.
     pub curves: Vec<History<'a>>,
     pub time: TimeAxis,
@@ -125,7 +125,7 @@ impl<'a> Histories<'a> {
             if run.status.is_failure() {
                 label = format!("{label}: {}", run.status);
             }
-            runs.push(Drawn {
+            runs.push(DrawnRun {
                 run,
                 history: curves.len(),
             });
@@ -171,7 +171,8 @@ impl<'a> Histories<'a> {
         let columns = || meshes.iter().take(shown);
         let of = |c: &History<'a>| {
             let series = c.series;
-            let force = |m: &Member| Some((series.time_s.as_slice(), series.column(&m.column)?));
+            let force =
+                |m: &MemberColumn| Some((series.time_s.as_slice(), series.column(&m.column)?));
             columns().filter_map(force).collect::<Vec<_>>()
         };
         self.curves.iter().flat_map(of).collect()
@@ -179,8 +180,8 @@ impl<'a> Histories<'a> {
 
     /// Returns the meshes of the scene with the columns of a quantity, whose names consist of a beginning and an
     /// ending.
-    pub fn meshes_with(&self, begin: &str, end: &str) -> Vec<Member> {
-        let first = Member {
+    pub fn meshes_with(&self, begin: &str, end: &str) -> Vec<MemberColumn> {
+        let first = MemberColumn {
             name: String::new(),
             column: format!("{begin}{end}"),
             style: self.models,
@@ -188,7 +189,7 @@ impl<'a> Histories<'a> {
         if self.meshes.is_empty() {
             return vec![first];
         }
-        let member = |(m, [a, b]): (usize, &[String; 2])| Member {
+        let member = |(m, [a, b]): (usize, &[String; 2])| MemberColumn {
             name: format!("{a} - {b}"),
             column: mesh_column(begin, end, (m > 0).then_some([a.as_str(), b.as_str()])),
             style: self.models + m,
@@ -198,16 +199,16 @@ impl<'a> Histories<'a> {
 
     /// Returns the gears with columns of a quantity; the name of such a column begins with that of the quantity and
     /// ends with a unit.
-    pub fn gears_with(&self, begin: &str, unit: &str) -> Vec<Member> {
+    pub fn gears_with(&self, begin: &str, unit: &str) -> Vec<MemberColumn> {
         let first = self.models + self.meshes.len();
-        let mut found: Vec<Member> = Vec::new();
+        let mut found: Vec<MemberColumn> = Vec::new();
         let all = self.curves.iter().flat_map(History::all_series);
         for (name, _) in all.flat_map(TimeSeries::named_columns) {
             let gear = name
                 .strip_prefix(begin)
                 .and_then(|n| n.strip_prefix('_')?.strip_suffix(unit)?.strip_suffix('_'));
             if let Some(gear) = gear.filter(|_| found.iter().all(|m| m.column != name)) {
-                found.push(Member {
+                found.push(MemberColumn {
                     name: gear.to_owned(),
                     column: name.to_owned(),
                     style: first + found.len(),
@@ -218,7 +219,7 @@ impl<'a> Histories<'a> {
     }
 
     /// Returns the number of models that have any of these columns.
-    pub fn models_with(&self, members: &[Member]) -> usize {
+    pub fn models_with(&self, members: &[MemberColumn]) -> usize {
         let has = |c: &&History<'_>| members.iter().any(|m| c.column(&m.column).is_some());
         self.curves
             .iter()
@@ -228,7 +229,7 @@ impl<'a> Histories<'a> {
     }
 
     /// Returns least and greatest value of some columns, zero included.
-    pub fn extremes(&self, members: &[Member]) -> (f64, f64) {
+    pub fn extremes(&self, members: &[MemberColumn]) -> (f64, f64) {
         let all = || {
             self.curves
                 .iter()
@@ -243,13 +244,13 @@ impl<'a> Histories<'a> {
     /// Returns a panel for each history with the curves of all members in it.
     pub fn by_model(
         &self,
-        members: &[Member],
+        members: &[MemberColumn],
         factor: f64,
         time: &TimeAxis,
         panel: &dyn Fn(&str) -> Panel,
     ) -> Vec<Panel> {
         let of = |c: &History<'a>| {
-            let line = |m: &Member| {
+            let line = |m: &MemberColumn| {
                 let look = (model_stroke(m.style), Some(m.style));
                 Some(self.curve(look, c.column(&m.column)?, factor, time))
             };
@@ -263,12 +264,12 @@ impl<'a> Histories<'a> {
     /// Returns a panel for each member with the curves of all histories in it.
     pub fn by_member(
         &self,
-        members: &[Member],
+        members: &[MemberColumn],
         factor: f64,
         time: &TimeAxis,
         panel: &dyn Fn(&str) -> Panel,
     ) -> Vec<Panel> {
-        let of = |m: &Member| {
+        let of = |m: &MemberColumn| {
             let curves = self.lines(|s| s.column(&m.column), factor, time);
             (!curves.is_empty()).then(|| panel(&m.name).curves(curves))
         };
@@ -325,8 +326,8 @@ pub(super) fn overlay(members: usize) -> bool {
 }
 
 /// Returns the entries of a legend for members.
-pub(super) fn legend_of(members: &[Member]) -> impl Iterator<Item = Entry> + '_ {
-    let entry = |m: &Member| Entry::history(&m.name, model_stroke(m.style), Some(m.style));
+pub(super) fn legend_of(members: &[MemberColumn]) -> impl Iterator<Item = Entry> + '_ {
+    let entry = |m: &MemberColumn| Entry::history(&m.name, model_stroke(m.style), Some(m.style));
     members.iter().map(entry)
 }
 

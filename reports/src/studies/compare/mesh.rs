@@ -4,9 +4,9 @@ use crate::drawing::Chart;
 use crate::drawing::axis::nice_step;
 use crate::drawing::canvas::{Anchor, Canvas, DrawError, Ink, Stroke, Type, draw, text_width};
 use crate::drawing::geometry::{Rect, clip_polygon};
-use crate::drawing::labels::Room;
+use crate::drawing::labels::OccupiedArea;
 use crate::drawing::panel::WIDTH;
-use crate::drawing::style::{look, marker};
+use crate::drawing::style::{curve_style, marker};
 use crate::numbers::{counted, quantity, short};
 use crate::record::{ContactPoint, ContactSnapshot, Run};
 use crate::view::View;
@@ -136,7 +136,7 @@ fn focus(s: &ContactSnapshot) -> Option<((f64, f64), f64)> {
 
 fn panel(c: &mut Canvas<'_>, p: &Picture<'_>, area: Rect) {
     let heading = format!("{} ({})", p.label, p.run.integrator);
-    marker(c, (area.x0 + 8.0, 14.0), 5.2, look(p.style), true);
+    marker(c, (area.x0 + 8.0, 14.0), 5.2, curve_style(p.style), true);
     let bold = Type::new(13.5, Anchor::Start).bold();
     c.text(&heading, (area.x0 + 20.0, 14.0), bold);
     c.fill(&area, Ink::WHITE);
@@ -149,7 +149,7 @@ fn panel(c: &mut Canvas<'_>, p: &Picture<'_>, area: Rect) {
                 middle.1 - (q[1] - centre.1) * scale,
             )
         };
-        let mut room = Room::of(area);
+        let mut room = OccupiedArea::of(area);
         let mut bodies = Vec::new();
         for (i, outline) in p.snapshot.outlines.iter().enumerate() {
             let mut points: Vec<(f64, f64)> = outline.points.iter().map(|q| at(*q)).collect();
@@ -157,13 +157,13 @@ fn panel(c: &mut Canvas<'_>, p: &Picture<'_>, area: Rect) {
             c.polygon(&body, Ink::BODIES[i % 2]);
             points.extend(points.first().copied());
             c.line_within(&points, &area, Stroke::new(Ink::BODY_EDGE, 1.4));
-            room.keep_line(&points);
+            room.occupy_line(&points);
             bodies.push((outline.gear.as_str(), body));
         }
         if let Some([a, b]) = p.snapshot.line_of_action {
             let stroke = Stroke::dashed(Ink::GREY, 1.1, &[12.0, 3.0, 2.0, 3.0]);
             c.line_within(&[at(a), at(b)], &area, stroke);
-            room.keep_line(&[at(a), at(b)]);
+            room.occupy_line(&[at(a), at(b)]);
         }
         scale_bar(c, scale, &area, &mut room);
         let labels = arrows(c, p, &at, &area, &mut room);
@@ -242,7 +242,7 @@ fn arrows(
     p: &Picture<'_>,
     at: &dyn Fn([f64; 2]) -> (f64, f64),
     area: &Rect,
-    room: &mut Room,
+    room: &mut OccupiedArea,
 ) -> Vec<(String, (f64, f64))> {
     let magnitude = |f: [f64; 2]| f[0].hypot(f[1]);
     let pairs = by_pair(&p.snapshot.contacts);
@@ -254,7 +254,7 @@ fn arrows(
     if greatest <= 0.0 {
         return labels;
     }
-    let ink = look(p.style).ink;
+    let ink = curve_style(p.style).ink;
     let reach = 0.3 * area.width().min(area.height());
     for contact in &pairs {
         let force = magnitude(contact.force);
@@ -274,10 +274,10 @@ fn arrows(
             (neck.0 + barb * uy, neck.1 - barb * ux),
         );
         c.polygon(&[tip, left, right], ink);
-        marker(c, (x, y), 4.6, look(p.style), false);
-        room.keep_line(&[(x, y), tip]);
+        marker(c, (x, y), 4.6, curve_style(p.style), false);
+        room.occupy_line(&[(x, y), tip]);
         for part in [0.0, 0.25, 0.5, 0.75, 1.0] {
-            room.keep_point((x + part * length * ux, y + part * length * uy), 6.0);
+            room.occupy_point((x + part * length * ux, y + part * length * uy), 6.0);
         }
         let mut text = quantity(force, "N", 3);
         if !contact.pair.is_empty() {
@@ -291,7 +291,7 @@ fn arrows(
     labels
 }
 
-fn scale_bar(c: &mut Canvas<'_>, scale: f64, area: &Rect, room: &mut Room) {
+fn scale_bar(c: &mut Canvas<'_>, scale: f64, area: &Rect, room: &mut OccupiedArea) {
     let length = nice_step(55.0 / scale);
     let width = length * scale;
     let (x, y) = (area.x0 + 16.0, area.y1 - 16.0);
@@ -299,7 +299,7 @@ fn scale_bar(c: &mut Canvas<'_>, scale: f64, area: &Rect, room: &mut Room) {
     let total = width + 14.0 + text_width(&text, 12.5);
     let plate = Rect::new(x - 8.0, y - 11.0, x + total, y + 11.0);
     c.fill(&plate, Ink::WHITE.opacity(0.88));
-    room.keep(plate);
+    room.occupy(plate);
     c.line(&[(x, y), (x + width, y)], Stroke::new(Ink::DARK, 2.2));
     for end in [x, x + width] {
         let tick = [(end, y - 5.0), (end, y + 5.0)];

@@ -6,7 +6,7 @@ use crate::drawing::axis::Axis;
 use crate::drawing::canvas::{DrawError, Ink, Stroke};
 use crate::drawing::legend::Entry;
 use crate::drawing::panel::{Curve, Panel, chart};
-use crate::drawing::style::look;
+use crate::drawing::style::curve_style;
 use crate::markup::table::Table;
 use crate::markup::{note, section};
 use crate::numbers::{Prefix, per_cent, quantity, significant};
@@ -15,14 +15,14 @@ use crate::view::View;
 use maud::{Markup, html};
 
 /// A run of a model that has paths: the first that did not fail.
-struct Shown<'a> {
+struct RunWithPaths<'a> {
     label: &'a str,
     style: usize,
     run: &'a Run,
     paths: &'a TorquePaths,
 }
 
-fn shown<'a>(view: &'a View<'a>) -> Vec<Shown<'a>> {
+fn runs_with_paths<'a>(view: &'a View<'a>) -> Vec<RunWithPaths<'a>> {
     let of = |group: &'a crate::view::Group<'a>| {
         let sound = group
             .runs
@@ -30,7 +30,7 @@ fn shown<'a>(view: &'a View<'a>) -> Vec<Shown<'a>> {
             .map(|r| r.1)
             .filter(|r| !r.status.is_failure());
         let mut with = sound.filter_map(|run| Some((run, run.paths.as_ref()?)));
-        with.next().map(|(run, paths)| Shown {
+        with.next().map(|(run, paths)| RunWithPaths {
             label: &group.label,
             style: group.style,
             run,
@@ -41,8 +41,11 @@ fn shown<'a>(view: &'a View<'a>) -> Vec<Shown<'a>> {
 }
 
 /// Returns the rows of all models, each with its run.
-fn rows<'a, R>(all: &[&'a Shown<'a>], of: fn(&TorquePaths) -> &[R]) -> Vec<(&'a Shown<'a>, &'a R)> {
-    let each = |s: &&'a Shown<'a>| {
+fn rows<'a, R>(
+    all: &[&'a RunWithPaths<'a>],
+    of: fn(&TorquePaths) -> &[R],
+) -> Vec<(&'a RunWithPaths<'a>, &'a R)> {
+    let each = |s: &&'a RunWithPaths<'a>| {
         let s = *s;
         of(s.paths).iter().map(move |r| (s, r))
     };
@@ -50,7 +53,7 @@ fn rows<'a, R>(all: &[&'a Shown<'a>], of: fn(&TorquePaths) -> &[R]) -> Vec<(&'a 
 }
 
 /// Formats a number with four digits; magnitudes below 1e-6 are zero.
-fn told(x: f64) -> String {
+fn four_digits(x: f64) -> String {
     match x.abs() < 1e-6 {
         true => "0".into(),
         false => significant(x, 4),
@@ -59,7 +62,7 @@ fn told(x: f64) -> String {
 
 /// Returns the tables of torque paths; empty for a scene without train and shafts.
 pub fn tables(view: &View<'_>) -> Markup {
-    let all = shown(view);
+    let all = runs_with_paths(view);
     let Some(first) = all.first() else {
         return Markup::default();
     };
@@ -76,18 +79,18 @@ pub fn tables(view: &View<'_>) -> Markup {
             )
         })
         .collect();
-    let settled: Vec<&Shown<'_>> = all.iter().filter(|s| s.paths.has_settled()).collect();
+    let settled: Vec<&RunWithPaths<'_>> = all.iter().filter(|s| s.paths.has_settled()).collect();
     let meshes = rows(&settled, |p| &p.meshes);
     let of_meshes = Table::of(&meshes)
         .grouped(|(s, _)| (s.label.to_owned(), s.style))
         .text("Mesh", |(_, m)| m.gears.join(" - "))
-        .written("Mean force", "N", |(_, m)| told(m.force_n))
+        .written("Mean force", "N", |(_, m)| four_digits(m.force_n))
         .result()
         .written("Torque on the first gear", "N m", |(_, m)| {
-            told(m.torque_nm[0])
+            four_digits(m.torque_nm[0])
         })
         .result()
-        .written("on the second", "N m", |(_, m)| told(m.torque_nm[1]))
+        .written("on the second", "N m", |(_, m)| four_digits(m.torque_nm[1]))
         .result()
         .text("Power", |(_, m)| watt(m.power_w))
         .result()
@@ -99,23 +102,25 @@ pub fn tables(view: &View<'_>) -> Markup {
     let of_members = Table::of(&members)
         .grouped(|(s, _)| (s.label.to_owned(), s.style))
         .text("Gear or body", |(_, m)| m.name.clone())
-        .written("Mean speed", "rad/s", |(_, m)| told(m.speed_rad_s))
+        .written("Mean speed", "rad/s", |(_, m)| four_digits(m.speed_rad_s))
         .result()
-        .written("Loads", "N m", |(_, m)| told(m.load_nm))
+        .written("Loads", "N m", |(_, m)| four_digits(m.load_nm))
         .result()
-        .written("Mount or drive", "N m", |(_, m)| told(m.mount_nm))
+        .written("Mount or drive", "N m", |(_, m)| four_digits(m.mount_nm))
         .result()
-        .written("Contacts", "N m", |(_, m)| told(m.contact_nm))
+        .written("Contacts", "N m", |(_, m)| four_digits(m.contact_nm))
         .result()
         .text("Power of loads and drive", |(_, m)| watt(m.power_w))
         .result()
-        .written("Bearing or pin, mean", "N", |(_, m)| told(m.bearing_n))
+        .written("Bearing or pin, mean", "N", |(_, m)| {
+            four_digits(m.bearing_n)
+        })
         .result();
     let shafts = rows(&settled, |p| &p.shafts);
     let of_shafts = Table::of(&shafts)
         .grouped(|(s, _)| (s.label.to_owned(), s.style))
         .text("Shaft", |(_, s)| s.between.join(" - "))
-        .written("Mean torque", "N m", |(_, s)| told(s.torque_nm))
+        .written("Mean torque", "N m", |(_, s)| four_digits(s.torque_nm))
         .result()
         .text("Power", |(_, s)| watt(s.power_w))
         .result();
@@ -153,8 +158,8 @@ pub fn tables(view: &View<'_>) -> Markup {
     }
 }
 
-fn sharing(all: &[&Shown<'_>]) -> Markup {
-    let rows: Vec<(&Shown<'_>, &Sharing, &PlanetShare)> = (all.iter().copied())
+fn sharing(all: &[&RunWithPaths<'_>]) -> Markup {
+    let rows: Vec<(&RunWithPaths<'_>, &Sharing, &PlanetShare)> = (all.iter().copied())
         .flat_map(|s| s.paths.sharing.iter().map(move |of| (s, of)))
         .flat_map(|(s, of)| of.planets.iter().map(move |p| (s, of, p)))
         .collect();
@@ -190,7 +195,7 @@ fn sharing(all: &[&Shown<'_>]) -> Markup {
 
 /// Draws the shares of planets over time, a panel for each gear that they mesh with, for the first model that has them.
 pub fn shares(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
-    let all = shown(view);
+    let all = runs_with_paths(view);
     let with = all.iter().find(|s| {
         let series = s.run.series.as_ref();
         s.paths.has_settled()
@@ -234,7 +239,7 @@ pub fn shares(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
                 .filter(|i| sums[*i] > 1e-3 * most)
                 .map(|i| (prefix.factor * series.time_s[i], 100.0 * f[i] / sums[i]))
                 .unzip();
-            let look = look(style);
+            let look = curve_style(style);
             let stroke = Stroke::dashed(look.ink, 1.5, look.dash);
             panel
                 .curves
@@ -259,7 +264,7 @@ pub fn shares(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
     }
     let legend: Vec<Entry> = (names.iter().enumerate())
         .map(|(style, name)| {
-            let look = look(style);
+            let look = curve_style(style);
             Entry::history(name, Stroke::dashed(look.ink, 1.5, look.dash), Some(style))
         })
         .collect();

@@ -1,7 +1,7 @@
 //! Charts of the motion of teeth: position in the backlash of hammering gears, error of the speed ratio, deflection of
 //! movable teeth and the forces on them.
 
-use super::histories::{Histories, Member, legend_of, overlay};
+use super::histories::{Histories, MemberColumn, legend_of, overlay};
 use crate::drawing::Chart;
 use crate::drawing::axis::Axis;
 use crate::drawing::canvas::DrawError;
@@ -73,7 +73,7 @@ pub fn teeth(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
     let Some(h) = Histories::of(view) else {
         return Ok(None);
     };
-    let mut drawn = Drawn::default();
+    let mut drawn = ToothPanels::default();
     let mut said = Vec::new();
     for quantity in &QUANTITIES {
         let before = drawn.panels.len();
@@ -109,21 +109,21 @@ pub fn teeth(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
 
 /// Panels of a chart with the entries of its legend.
 #[derive(Default)]
-struct Drawn {
+struct ToothPanels {
     panels: Vec<Panel>,
     /// Meshes and gears that have curves of their own.
-    overlaid: Vec<Member>,
+    overlaid: Vec<MemberColumn>,
     /// Models have curves of their own.
     has_models: bool,
 }
 
-impl Drawn {
+impl ToothPanels {
     /// Adds the panels of a quantity of some members, in a unit, laid over one another or not.
     fn add(
         &mut self,
         h: &Histories<'_>,
         quantity: &Quantity,
-        members: Vec<Member>,
+        members: Vec<MemberColumn>,
         (unit, overlaid): (&str, bool),
     ) {
         // One scale for all members, so that they compare.
@@ -163,8 +163,9 @@ impl Drawn {
         self.panels.extend(panels);
         match overlaid {
             true => {
-                let new = |m: &Member| self.overlaid.iter().all(|known| known.style != m.style);
-                let new: Vec<Member> = members.into_iter().filter(new).collect();
+                let new =
+                    |m: &MemberColumn| self.overlaid.iter().all(|known| known.style != m.style);
+                let new: Vec<MemberColumn> = members.into_iter().filter(new).collect();
                 self.overlaid.extend(new);
             }
             false => self.has_models = true,

@@ -5,7 +5,7 @@ use crate::drawing::Chart;
 use crate::drawing::axis::Axis;
 use crate::drawing::canvas::DrawError;
 use crate::drawing::panel::{Curve, Panel, chart};
-use crate::metrics::orders::OverCycles;
+use crate::metrics::orders::CycleHistory;
 use crate::metrics::trapezoid_weights;
 use crate::numbers::Prefix;
 use crate::view::View;
@@ -24,22 +24,22 @@ pub(super) fn error(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
     let runs = h.curves.iter().filter(|c| c.style.is_some());
     let clock = runs
         .map(|c| c.series)
-        .find(|s| OverCycles::of_run(s).is_some());
+        .find(|s| CycleHistory::of_run(s).is_some());
     let Some(clock) = clock else {
         return Ok(None);
     };
     let over = |c: &History<'_>| match c.style {
-        Some(_) => OverCycles::of_run(c.series),
+        Some(_) => CycleHistory::of_run(c.series),
         None => c
             .all_series()
-            .find_map(|s| OverCycles::of_reference(s, clock)),
+            .find_map(|s| CycleHistory::of_reference(s, clock)),
     };
-    let found: Vec<(&History<'_>, OverCycles)> = h
+    let found: Vec<(&History<'_>, CycleHistory)> = h
         .curves
         .iter()
         .filter_map(|c| Some((c, over(c)?)))
         .collect();
-    let Some(whole) = OverCycles::whole(found.iter().map(|(_, o)| o)) else {
+    let Some(whole) = CycleHistory::whole(found.iter().map(|(_, o)| o)) else {
         return Ok(None);
     };
     let [first, last] = whole;

@@ -6,7 +6,7 @@ use crate::drawing::axis::Axis;
 use crate::drawing::canvas::{DrawError, Ink, Stroke};
 use crate::drawing::legend::Entry;
 use crate::drawing::panel::{Curve, Panel, chart, extremes};
-use crate::drawing::style::look;
+use crate::drawing::style::curve_style;
 use crate::numbers::per_cent;
 use crate::studies::stability::{Cell, Columns, LineKind, Map, MapAxis, MapLine, overview};
 
@@ -95,7 +95,7 @@ fn errors(
             (c.all().into_iter()).partition(|cell| cell.status.is_failure());
         let point = |cell: &&CouplingCell| Some((cell.step_s, clamped(get(cell)?)));
         let points = held.iter().filter_map(point).collect();
-        Curve::joined(look(style.unwrap_or(0)), 1.6, 4.2, points)
+        Curve::joined(curve_style(style.unwrap_or(0)), 1.6, 4.2, points)
             .failed(failed.iter().map(|cell| cell.step_s).collect())
     };
     let manners = manners(couplings);
@@ -104,7 +104,7 @@ fn errors(
             let of = || couplings.iter().filter(|c| c.manner() == *manner);
             let theory = of().filter_map(|c| {
                 let style = models.iter().position(|m| *m == c.model_label());
-                let stroke = Stroke::dashed(look(style.unwrap_or(0)).ink, 1.3, &[2.0, 3.0]);
+                let stroke = Stroke::dashed(curve_style(style.unwrap_or(0)).ink, 1.3, &[2.0, 3.0]);
                 let h = c.theory_s?;
                 Some(Curve::line(stroke, vec![(h, y.min), (h, y.max)]))
             });
@@ -119,7 +119,7 @@ fn errors(
         })
         .collect();
     let mut legend: Vec<Entry> = (models.iter().enumerate())
-        .map(|(i, m)| Entry::marked(m, look(i), true))
+        .map(|(i, m)| Entry::marked(m, curve_style(i), true))
         .collect();
     if couplings.iter().any(|c| c.theory_s.is_some()) {
         let stroke = Stroke::dashed(Ink::GREY, 1.3, &[2.0, 3.0]);

@@ -25,15 +25,15 @@ pub(super) fn report(view: &View<'_>, couplings: &[Coupling]) -> Result<StudyRep
 
 /// Returns the methods of coupling of a record, each once, in order.
 fn manners(couplings: &[Coupling]) -> Vec<String> {
-    once(couplings.iter().map(Coupling::manner))
+    unique(couplings.iter().map(Coupling::manner))
 }
 
 /// Returns the labels of the models of a record, each once, in order.
 fn models(couplings: &[Coupling]) -> Vec<String> {
-    once(couplings.iter().map(Coupling::model_label))
+    unique(couplings.iter().map(Coupling::model_label))
 }
 
-fn once(all: impl Iterator<Item = String>) -> Vec<String> {
+fn unique(all: impl Iterator<Item = String>) -> Vec<String> {
     let mut found: Vec<String> = Vec::new();
     for one in all {
         if !found.contains(&one) {

@@ -7,7 +7,7 @@ use crate::drawing::axis::Axis;
 use crate::drawing::canvas::{DrawError, Ink, Stroke};
 use crate::drawing::legend::Entry;
 use crate::drawing::panel::{Curve, Panel, chart, extremes};
-use crate::drawing::style::{look, model_stroke, reference_stroke};
+use crate::drawing::style::{curve_style, model_stroke, reference_stroke};
 
 /// Draws the charts of a record.
 pub fn charts(fits: &[FitRecord]) -> Result<Vec<Chart>, DrawError> {
@@ -113,7 +113,7 @@ fn profiles(fits: &[FitRecord]) -> Result<Option<Chart>, DrawError> {
                 limits: vec![(p.quantile, "95 %".into())],
                 ..Panel::new(130.0, &Axis::padded(low, high, 0.02), "deviation")
                     .remark(f.label.clone())
-                    .curves([Curve::joined(look(i), 1.6, 3.6, points)])
+                    .curves([Curve::joined(curve_style(i), 1.6, 3.6, points)])
             });
         }
     }

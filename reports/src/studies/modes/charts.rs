@@ -5,7 +5,7 @@ use crate::drawing::Chart;
 use crate::drawing::canvas::{Anchor, Canvas, DrawError, Ink, Stroke, Type, draw, text_width};
 use crate::drawing::geometry::Rect;
 use crate::drawing::panel::WIDTH;
-use crate::drawing::style::look;
+use crate::drawing::style::curve_style;
 use crate::numbers::{percent, quantity};
 use crate::record::slug;
 
@@ -120,7 +120,7 @@ fn shares(v: &ModelModes, modes: &[&ModeRecord]) -> Result<Chart, DrawError> {
 
 fn paint_share(c: &mut Canvas<'_>, r: &Rect, share: f64, style: usize) {
     let full = share.clamp(0.0, 1.0);
-    let ink = look(style).ink;
+    let ink = curve_style(style).ink;
     c.fill(
         &Rect::new(r.x0, r.y0 + 1.0, r.x0 + full * r.width(), r.y1 - 1.0),
         ink.opacity(0.45),
@@ -208,7 +208,7 @@ fn paint_gear(
     by: f64,
     (at, n): (&dyn Fn(f64, f64) -> (f64, f64), usize),
 ) {
-    let ink = look(n).ink;
+    let ink = curve_style(n).ink;
     let (dx, dy) = (by * s.x_m, by * s.y_m);
     if p.slides {
         // A rack: its way as an arrow.
@@ -228,7 +228,7 @@ fn paint_gear(
     let moved = (p.x_m + dx, p.y_m + dy);
     c.line(
         &ring(moved.0, moved.1),
-        Stroke::dashed(ink, 1.8, look(n).dash),
+        Stroke::dashed(ink, 1.8, curve_style(n).dash),
     );
     // A turn is drawn no larger than a third of a turn round.
     let turn = (by * s.turn_rad).clamp(-2.0, 2.0);

@@ -7,7 +7,9 @@ mod tables;
 
 use crate::drawing::canvas::DrawError;
 use crate::studies::StudyReport;
-pub use record::{About, MemberPlace, MemberShape, MeshState, ModeRecord, ModelModes, ModesRecord};
+pub use record::{
+    LinearisedState, MemberPlace, MemberShape, MeshState, ModeRecord, ModelModes, ModesRecord,
+};
 
 /// Returns the report of natural frequencies.
 pub(super) fn report(vibrations: &[ModelModes]) -> Result<StudyReport, DrawError> {

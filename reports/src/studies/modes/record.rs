@@ -25,7 +25,7 @@ impl Results {
 
 words! {
     /// The state that frequencies are about.
-    pub enum About {
+    pub enum LinearisedState {
         /// The equilibrium under the loads.
         #[default]
         Loaded = "loaded",
@@ -45,7 +45,7 @@ pub struct ModelModes {
     /// Label of the model in its scene.
     pub label: String,
     /// State in which the model is linearised.
-    pub about: About,
+    pub about: LinearisedState,
     /// Reason why there are no frequencies, or a remark on them.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub message: String,

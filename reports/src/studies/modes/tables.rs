@@ -1,6 +1,6 @@
 //! Finding and tables of natural frequencies.
 
-use super::{About, ModeRecord, ModelModes};
+use super::{LinearisedState, ModeRecord, ModelModes};
 use crate::markup::table::Table;
 use crate::markup::{glance, note, prose, section};
 use crate::numbers::{per_cent, quantity, short};
@@ -21,14 +21,14 @@ pub fn finding(vibrations: &[ModelModes]) -> Vec<Markup> {
             .map(|m| format!("{} ({})", quantity(m.frequency_hz, "Hz", 5), m.name))
             .collect();
         let state = match v.about {
-            About::Loaded => "about its equilibrium under load",
-            About::Preloaded => "pressed together as it starts",
-            About::Apart => "with its gears apart, for nothing presses them together,",
-            About::NotFound => "",
+            LinearisedState::Loaded => "about its equilibrium under load",
+            LinearisedState::Preloaded => "pressed together as it starts",
+            LinearisedState::Apart => "with its gears apart, for nothing presses them together,",
+            LinearisedState::NotFound => "",
         };
         html! {
             b { (v.label) }
-            @if v.about == About::NotFound { " has no natural frequencies: " (prose(&v.message)) "." }
+            @if v.about == LinearisedState::NotFound { " has no natural frequencies: " (prose(&v.message)) "." }
             @else if lowest.is_empty() { " " (state) " has nothing that swings." }
             @else { " " (state) " swings at " (lowest.join(", ")) @if swinging(v).count() > 3 { " and above" } "." }
         }

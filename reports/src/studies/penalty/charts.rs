@@ -5,7 +5,7 @@ use crate::drawing::axis::Axis;
 use crate::drawing::canvas::{DrawError, Ink, Stroke};
 use crate::drawing::legend::Entry;
 use crate::drawing::panel::{Curve, Panel, chart, extremes};
-use crate::drawing::style::look;
+use crate::drawing::style::curve_style;
 use crate::record::{Run, finite};
 use crate::view::View;
 
@@ -70,7 +70,7 @@ pub fn penalty(view: &View<'_>) -> Result<Vec<Chart>, DrawError> {
         let point = |(p, r): &(f64, &Run)| Some((*p, finite(y(r)?)?));
         let points = held.into_iter().filter_map(point).collect();
         let failed = failed.into_iter().map(|(p, _)| *p).collect();
-        Curve::joined(look(s.style), 1.6, 4.2, points).failed(failed)
+        Curve::joined(curve_style(s.style), 1.6, 4.2, points).failed(failed)
     };
     let (mut panels, mut distances) = (Vec::new(), Vec::new());
     for (k, (name, get)) in QUANTITIES.into_iter().enumerate() {
@@ -95,7 +95,7 @@ pub fn penalty(view: &View<'_>) -> Result<Vec<Chart>, DrawError> {
         distances.push(panel(&format!("{name} [%]"), k == 2, distance));
     }
     let mut legend: Vec<Entry> = (all.iter())
-        .map(|s| Entry::marked(&s.label, look(s.style), true))
+        .map(|s| Entry::marked(&s.label, curve_style(s.style), true))
         .collect();
     let plain = legend.clone();
     if all.iter().any(|s| s.hard.is_some()) {

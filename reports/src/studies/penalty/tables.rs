@@ -105,10 +105,10 @@ pub fn tables(view: &View<'_>) -> Markup {
     if rows.is_empty() {
         return Markup::default();
     }
-    type Get = fn(&Run) -> Option<f64>;
+    type Field = fn(&Run) -> Option<f64>;
     type Row<'a> = (&'a Series<'a>, &'a Run);
-    let get = |f: Get| move |(_, r): &Row<'_>| f(r).filter(|_| !r.status.is_failure());
-    let off = |f: Get| {
+    let get = |f: Field| move |(_, r): &Row<'_>| f(r).filter(|_| !r.status.is_failure());
+    let off = |f: Field| {
         move |(s, r): &Row<'_>| {
             let soft = !r.status.is_failure() && r.hard != Some(true);
             Some(f(r).filter(|_| soft)? / f(s.hard?)? - 1.0)

@@ -1,6 +1,6 @@
 //! CSV table of cost and error of all runs against all references.
 
-use super::{Cloud, Cost, Precision, Shown};
+use super::{Cost, Precision, WorkPrecision, WorkPrecisionPoint};
 use crate::csv_table::{CsvColumn, CsvTable, number, text};
 use crate::metrics::Metric;
 use crate::record::{Metrics, Results, Run, SELF};
@@ -11,13 +11,15 @@ type Row<'a> = (&'a Run, &'a Metrics);
 /// Returns the table with a row per run and reference.
 pub fn tables(results: &Results) -> Vec<CsvTable> {
     let study = Precision::of(results);
-    let clouds: Vec<Cloud<'_>> = (study.references.iter().map(String::as_str))
+    let clouds: Vec<WorkPrecision<'_>> = (study.references.iter().map(String::as_str))
         .chain([SELF])
         .map(|id| study.cloud(id, study.headline_against(id), Cost::Processor))
         .collect();
     // The front of each reference, of the model's own converged solution that of each model.
     let on_front = |(r, m): &Row<'_>| {
-        let own = |s: &Shown<'_>| m.against != SELF || s.run.model_label() == r.model_label();
+        let own = |s: &WorkPrecisionPoint<'_>| {
+            m.against != SELF || s.run.model_label() == r.model_label()
+        };
         let Some(cloud) = clouds.iter().find(|c| c.against == m.against) else {
             return false.to_string();
         };

@@ -2,7 +2,7 @@
 //! error.
 //!
 //! A family is a model under an integrator, at every step, tolerance and number of modes. The report compares two
-//! groups: elastic models with residual compliance under a method that solves their linear part exactly ([`is_ours`]),
+//! groups: elastic models with residual compliance under a method that solves their linear part exactly ([`is_reduced_exactly`]),
 //! and all others.
 
 mod charts;
@@ -22,7 +22,7 @@ use serde::{Deserialize, Serialize};
 /// Limits of the error at which families are compared.
 pub const LEVELS: [f64; 4] = [0.05, 0.02, 0.01, 0.005];
 /// Factor by which the error of a point of a front must be below that of the last marked point to be marked itself.
-const NEWS: f64 = 0.95;
+const IMPROVEMENT: f64 = 0.95;
 
 /// The part of a record that is specific to a study of accuracy against cost.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -54,7 +54,7 @@ impl Cost {
 
 /// A run that reached its end, as a point.
 #[derive(Clone, Copy, Debug)]
-pub struct Shown<'a> {
+pub struct WorkPrecisionPoint<'a> {
     /// Run of the point.
     pub run: &'a Run,
     /// Place of its model in the order of appearance.
@@ -63,7 +63,7 @@ pub struct Shown<'a> {
     pub point: Point,
 }
 
-impl Shown<'_> {
+impl WorkPrecisionPoint<'_> {
     /// True if the constants of the run were fitted to a reference of the record.
     pub fn is_fitted(&self) -> bool {
         self.run.fitted_to.is_some()
@@ -71,11 +71,11 @@ impl Shown<'_> {
 }
 
 /// The points of a record against one reference.
-pub struct Cloud<'a> {
+pub struct WorkPrecision<'a> {
     /// Id of the reference.
     pub against: String,
     /// Runs that reached their end and have an error, in the order of the record.
-    pub shown: Vec<Shown<'a>>,
+    pub shown: Vec<WorkPrecisionPoint<'a>>,
     /// Runs of the same models that failed, with the place of their model.
     pub failed: Vec<(&'a Run, usize)>,
 }
@@ -94,7 +94,7 @@ pub struct Precision<'a> {
 
 /// True if the run belongs to the models whose lead is reported: residual compliance, and a method that solves the
 /// linear part exactly.
-pub fn is_ours(run: &Run) -> bool {
+pub fn is_reduced_exactly(run: &Run) -> bool {
     run.residual == Some(true) && run.exact_linear
 }
 
@@ -166,7 +166,7 @@ impl<'a> Precision<'a> {
     }
 
     /// Returns the points of all runs against a reference.
-    pub fn cloud(&self, against: &str, metric: Metric, cost: Cost) -> Cloud<'a> {
+    pub fn cloud(&self, against: &str, metric: Metric, cost: Cost) -> WorkPrecision<'a> {
         let runs = &self.results.runs;
         let compared: Vec<String> = (runs.iter())
             .filter(|r| r.against(against).is_some())
@@ -180,7 +180,7 @@ impl<'a> Precision<'a> {
                     cost: cost.of(run)?,
                     error,
                 };
-                (point.is_sound() && error > NOTHING).then(|| Shown {
+                (point.is_sound() && error > NOTHING).then(|| WorkPrecisionPoint {
                     run,
                     style: self.style(run),
                     point,
@@ -191,7 +191,7 @@ impl<'a> Precision<'a> {
             .filter(|r| r.status.is_failure() && compared.contains(&r.model_label()))
             .map(|r| (r, self.style(r)))
             .collect();
-        Cloud {
+        WorkPrecision {
             against: against.to_owned(),
             shown,
             failed,
@@ -199,43 +199,51 @@ impl<'a> Precision<'a> {
     }
 }
 
-impl<'a> Cloud<'a> {
-    fn points(&self, keep: impl Fn(&Shown<'a>) -> bool) -> (Vec<usize>, Vec<Point>) {
+impl<'a> WorkPrecision<'a> {
+    fn points(&self, keep: impl Fn(&WorkPrecisionPoint<'a>) -> bool) -> (Vec<usize>, Vec<Point>) {
         let kept = (0..self.shown.len()).filter(|&i| keep(&self.shown[i]));
         kept.map(|i| (i, self.shown[i].point)).unzip()
     }
 
     /// Returns the indices of the Pareto front of selected points, ascending in cost.
-    pub fn front(&self, keep: impl Fn(&Shown<'a>) -> bool) -> Vec<usize> {
+    pub fn front(&self, keep: impl Fn(&WorkPrecisionPoint<'a>) -> bool) -> Vec<usize> {
         let (kept, points) = self.points(keep);
         front(&points).into_iter().map(|i| kept[i]).collect()
     }
 
     /// Returns the cheapest of selected runs within a limit of the error.
-    pub fn cheapest(&self, limit: f64, keep: impl Fn(&Shown<'a>) -> bool) -> Option<&Shown<'a>> {
+    pub fn cheapest(
+        &self,
+        limit: f64,
+        keep: impl Fn(&WorkPrecisionPoint<'a>) -> bool,
+    ) -> Option<&WorkPrecisionPoint<'a>> {
         let (kept, points) = self.points(keep);
         pareto::cheapest(&points, limit).map(|i| &self.shown[kept[i]])
     }
 
     /// True if any of the models was fitted to a reference of the record.
     pub fn has_fitted(&self) -> bool {
-        self.shown.iter().any(Shown::is_fitted)
+        self.shown.iter().any(WorkPrecisionPoint::is_fitted)
     }
 
     /// Returns the cheapest runs within a limit of the error, among all models or among those that were not fitted;
-    /// `None` when no run with [`is_ours`] is within it.
-    pub fn standing(&self, limit: f64, fitted_too: bool) -> Option<Standing<'_, 'a>> {
-        let among = |rival: &dyn Fn(&Shown<'a>) -> bool| {
-            let (kept, points) =
-                self.points(|s| (fitted_too || !s.is_fitted()) && (is_ours(s.run) || rival(s)));
-            let mine: Vec<bool> = kept.iter().map(|&i| is_ours(self.shown[i].run)).collect();
+    /// `None` when no run with [`is_reduced_exactly`] is within it.
+    pub fn cheapest_runs(&self, limit: f64, fitted_too: bool) -> Option<CheapestRuns<'_, 'a>> {
+        let among = |rival: &dyn Fn(&WorkPrecisionPoint<'a>) -> bool| {
+            let (kept, points) = self.points(|s| {
+                (fitted_too || !s.is_fitted()) && (is_reduced_exactly(s.run) || rival(s))
+            });
+            let mine: Vec<bool> = kept
+                .iter()
+                .map(|&i| is_reduced_exactly(self.shown[i].run))
+                .collect();
             let lead = lead(&points, &mine, limit)?;
             let next = lead.next.map(|n| &self.shown[kept[n]]);
             Some((&self.shown[kept[lead.ours]], next.zip(lead.factor)))
         };
         let (ours, next) = among(&|_| true)?;
         let (_, other) = among(&|s| s.run.residual != Some(true))?;
-        Some(Standing {
+        Some(CheapestRuns {
             limit,
             ours,
             next,
@@ -244,12 +252,12 @@ impl<'a> Cloud<'a> {
     }
 
     /// Returns the points of a front whose error is at least 5 % below that of the last such point.
-    pub fn news(&self, front: &[usize]) -> Vec<usize> {
+    pub fn improvements(&self, front: &[usize]) -> Vec<usize> {
         let mut last = f64::INFINITY;
         let mut kept = front.to_vec();
         kept.retain(|&i| {
             let error = self.shown[i].point.error;
-            let is_news = error < NEWS * last;
+            let is_news = error < IMPROVEMENT * last;
             if is_news {
                 last = error;
             }
@@ -258,12 +266,17 @@ impl<'a> Cloud<'a> {
         kept
     }
 
-    /// Returns the front as sections of one family each, all runs with [`is_ours`] being one family: first point and
+    /// Returns the front as sections of one family each, all runs with [`is_reduced_exactly`] being one family: first point and
     /// least error of each.
-    pub fn stretches(&self, keep: impl Fn(&Shown<'a>) -> bool) -> Vec<(&Shown<'a>, f64)> {
-        let mut all: Vec<(&Shown<'a>, f64)> = Vec::new();
-        let alike = |a: &Run, b: &Run| (is_ours(a) && is_ours(b)) || family(a) == family(b);
-        for i in self.news(&self.front(keep)) {
+    pub fn stretches(
+        &self,
+        keep: impl Fn(&WorkPrecisionPoint<'a>) -> bool,
+    ) -> Vec<(&WorkPrecisionPoint<'a>, f64)> {
+        let mut all: Vec<(&WorkPrecisionPoint<'a>, f64)> = Vec::new();
+        let alike = |a: &Run, b: &Run| {
+            (is_reduced_exactly(a) && is_reduced_exactly(b)) || family(a) == family(b)
+        };
+        for i in self.improvements(&self.front(keep)) {
             let s = &self.shown[i];
             match all.last_mut() {
                 Some((first, least)) if alike(first.run, s.run) => *least = s.point.error,
@@ -286,19 +299,19 @@ impl<'a> Cloud<'a> {
 
 /// The cheapest runs within a limit of the error, by group of models.
 #[derive(Clone, Copy, Debug)]
-pub struct Standing<'c, 'a> {
+pub struct CheapestRuns<'c, 'a> {
     /// Limit of the error [-].
     pub limit: f64,
-    /// Cheapest run with [`is_ours`].
-    pub ours: &'c Shown<'a>,
+    /// Cheapest run with [`is_reduced_exactly`].
+    pub ours: &'c WorkPrecisionPoint<'a>,
     /// Cheapest run of all other families with its cost over that of `ours`; `None` when none is within the limit.
-    pub next: Option<(&'c Shown<'a>, f64)>,
+    pub next: Option<(&'c WorkPrecisionPoint<'a>, f64)>,
     /// The cheapest run of models without residual compliance with its cost over that of `ours`; `None` when none keeps
     /// the limit.
-    pub other: Option<(&'c Shown<'a>, f64)>,
+    pub other: Option<(&'c WorkPrecisionPoint<'a>, f64)>,
 }
 
-impl Standing<'_, '_> {
+impl CheapestRuns<'_, '_> {
     /// Returns the limit, in words.
     pub fn level(&self) -> String {
         format!("\u{2264} {} %", short(100.0 * self.limit, 2))
@@ -317,7 +330,7 @@ impl Standing<'_, '_> {
 
     /// Returns the clause on the cheapest run of all, and the cost of the cheapest one of the other group.
     pub fn winner(&self) -> String {
-        let named = |s: &Shown<'_>| {
+        let named = |s: &WorkPrecisionPoint<'_>| {
             let time = quantity(s.run.cost_s(), "s", 2).replace('\u{a0}', " ");
             let integrator = id_of(&s.run.integrator);
             let fitted = if s.is_fitted() { ", fitted" } else { "" };
@@ -345,18 +358,18 @@ impl Standing<'_, '_> {
     }
 
     /// Returns the clause that compares `ours` with the next family.
-    pub fn beside_next(&self) -> String {
-        beside(self.next)
+    pub fn next_clause(&self) -> String {
+        cost_clause(self.next)
     }
 
     /// Returns the clause that compares `ours` with the next model without residual compliance.
-    pub fn beside_other(&self) -> String {
-        beside(self.other)
+    pub fn other_clause(&self) -> String {
+        cost_clause(self.other)
     }
 }
 
 /// Returns the clause on the ratio of costs between `ours` and a rival.
-fn beside(rival: Option<(&Shown<'_>, f64)>) -> String {
+fn cost_clause(rival: Option<(&WorkPrecisionPoint<'_>, f64)>) -> String {
     let Some((rival, factor)) = rival else {
         return "no other is within the limit".into();
     };

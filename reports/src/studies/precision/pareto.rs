@@ -52,7 +52,7 @@ pub fn cheapest(points: &[Point], limit: f64) -> Option<usize> {
 
 /// The cheapest of some points and of the others, both within the same limit of the error.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Lead {
+pub struct CheapestPair {
     /// Index of the cheapest point of the first group.
     pub ours: usize,
     /// Index of the cheapest of the other points; `None` when none of them is within the limit.
@@ -63,7 +63,7 @@ pub struct Lead {
 
 /// Compares the cheapest points with and without `mine` within a limit of the error; `None` when none with `mine` is
 /// within it.
-pub fn lead(points: &[Point], mine: &[bool], limit: f64) -> Option<Lead> {
+pub fn lead(points: &[Point], mine: &[bool], limit: f64) -> Option<CheapestPair> {
     let of = |wanted: bool| {
         let theirs = |i: usize| mine.get(i) == Some(&wanted);
         let kept: Vec<usize> = (0..points.len()).filter(|i| theirs(*i)).collect();
@@ -72,7 +72,7 @@ pub fn lead(points: &[Point], mine: &[bool], limit: f64) -> Option<Lead> {
     };
     let ours = of(true)?;
     let next = of(false);
-    Some(Lead {
+    Some(CheapestPair {
         ours,
         next,
         factor: next.map(|n| points[n].cost / points[ours].cost),

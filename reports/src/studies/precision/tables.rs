@@ -1,7 +1,7 @@
 //! Finding and tables of a study of accuracy against cost.
 
 use super::pareto::cheapest;
-use super::{Cloud, Cost, LEVELS, Precision, Shown, family, modes_and_step};
+use super::{Cost, LEVELS, Precision, WorkPrecision, WorkPrecisionPoint, family, modes_and_step};
 use crate::markup::table::Table;
 use crate::markup::{failed_of, note, runs as common, section};
 use crate::numbers::{self, count, counted, per_cent, quantity};
@@ -57,15 +57,15 @@ pub fn finding(view: &View<'_>) -> Vec<Markup> {
 }
 
 /// Returns the points against every reference that has any.
-fn clouds<'a>(study: &Precision<'a>) -> Vec<Cloud<'a>> {
+fn clouds<'a>(study: &Precision<'a>) -> Vec<WorkPrecision<'a>> {
     let metric = study.headline();
     let all = (study.references.iter()).map(|id| study.cloud(id, metric, Cost::Processor));
     all.filter(|c| !c.shown.is_empty()).collect()
 }
 
 /// Returns the sentence on models that were fitted to this very history; `None` when the front has none.
-fn fits(cloud: &Cloud<'_>) -> Option<Markup> {
-    let all = cloud.stretches(Shown::is_fitted);
+fn fits(cloud: &WorkPrecision<'_>) -> Option<Markup> {
+    let all = cloud.stretches(WorkPrecisionPoint::is_fitted);
     let least = (all.iter().map(|s| s.1)).min_by(f64::total_cmp)?;
     let mut models: Vec<String> = all.iter().map(|(s, _)| s.run.model_label()).collect();
     models.sort();
@@ -113,11 +113,11 @@ pub fn tables(view: &View<'_>) -> Markup {
 }
 
 /// Returns the table of the cheapest run with residual compliance compared with its next rivals, limit by limit.
-fn leaders(cloud: &Cloud<'_>) -> Markup {
+fn leaders(cloud: &WorkPrecision<'_>) -> Markup {
     let of = |fitted_too: bool| {
         let all = LEVELS
             .iter()
-            .filter_map(move |l| cloud.standing(*l, fitted_too));
+            .filter_map(move |l| cloud.cheapest_runs(*l, fitted_too));
         all.map(move |s| (s, fitted_too)).collect::<Vec<_>>()
     };
     let mut rows = of(false);
@@ -141,10 +141,10 @@ fn leaders(cloud: &Cloud<'_>) -> Markup {
         .text("Cheapest with residual compliance", |(s, _)| s.own())
         .result()
         .text("Beside the next model and integrator", |(s, _)| {
-            s.beside_next()
+            s.next_clause()
         })
         .result()
-        .text("Beside the next other model", |(s, _)| s.beside_other())
+        .text("Beside the next other model", |(s, _)| s.other_clause())
         .result();
     section(
         &format!("Residual compliance against {}", cloud.against),
@@ -152,7 +152,7 @@ fn leaders(cloud: &Cloud<'_>) -> Markup {
     )
 }
 
-fn front(cloud: &Cloud<'_>) -> Markup {
+fn front(cloud: &WorkPrecision<'_>) -> Markup {
     let fair = cloud.front(|s| !s.is_fitted());
     let mut all = cloud.front(|_| true);
     all.extend(&fair);
@@ -188,7 +188,7 @@ fn front(cloud: &Cloud<'_>) -> Markup {
     html! { (table) }
 }
 
-fn within(study: &Precision<'_>, cloud: &Cloud<'_>) -> Markup {
+fn within(study: &Precision<'_>, cloud: &WorkPrecision<'_>) -> Markup {
     let of = |style: usize| cloud.shown.iter().filter(move |s| s.style == style);
     let models: Vec<usize> = (0..study.models.len())
         .filter(|i| of(*i).next().is_some())
@@ -201,7 +201,7 @@ fn within(study: &Precision<'_>, cloud: &Cloud<'_>) -> Markup {
     for limit in LEVELS {
         let heading = format!("Within {}", numbers::limit(limit));
         table = table.text(&heading, |m| {
-            let kept: Vec<&Shown<'_>> = of(*m).collect();
+            let kept: Vec<&WorkPrecisionPoint<'_>> = of(*m).collect();
             let points: Vec<_> = kept.iter().map(|s| s.point).collect();
             let run = kept[cheapest(&points, limit)?].run;
             let time = quantity(run.cost_s(), "s", 2);

@@ -6,7 +6,7 @@ use crate::drawing::axis::Axis;
 use crate::drawing::canvas::{DrawError, Stroke};
 use crate::drawing::legend::Entry;
 use crate::drawing::panel::{Curve, Panel, chart, extremes};
-use crate::drawing::style::look;
+use crate::drawing::style::curve_style;
 use crate::record::slug;
 
 const KHZ: f64 = 1e-3;
@@ -24,7 +24,7 @@ fn curves(
 ) -> Vec<Curve> {
     let mut all = Vec::new();
     let points: Vec<(bool, (f64, f64))> = (group.points.iter())
-        .map(|p| (p.holds(), (KHZ * p.mesh_frequency_hz, value(p))))
+        .map(|p| (p.is_linear(), (KHZ * p.mesh_frequency_hz, value(p))))
         .collect();
     let mut start = 0;
     while start < points.len() {
@@ -36,8 +36,8 @@ fn curves(
         let end = (start + length + beside).min(points.len());
         let piece = points[from..end].iter().map(|p| p.1).collect();
         let stroke = match holds {
-            true => Stroke::dashed(look(style).ink, 1.8, look(style).dash),
-            false => Stroke::dashed(look(style).ink, 0.9, &[1.5, 2.5]),
+            true => Stroke::dashed(curve_style(style).ink, 1.8, curve_style(style).dash),
+            false => Stroke::dashed(curve_style(style).ink, 0.9, &[1.5, 2.5]),
         };
         all.push(Curve::line(stroke, piece));
         start += length;
@@ -47,7 +47,10 @@ fn curves(
 
 fn legend(responses: &[ModelResponse]) -> Vec<Entry> {
     let solid = |(i, r): (usize, &ModelResponse)| {
-        Entry::line(&r.label, Stroke::dashed(look(i).ink, 1.8, look(i).dash))
+        Entry::line(
+            &r.label,
+            Stroke::dashed(curve_style(i).ink, 1.8, curve_style(i).dash),
+        )
     };
     responses.iter().enumerate().map(solid).collect()
 }
@@ -106,9 +109,9 @@ fn over_frequency(
     x: &Axis,
     legend: &[Entry],
 ) -> Result<Chart, DrawError> {
-    type Get = fn(&ResponsePoint, usize) -> f64;
+    type Field = fn(&ResponsePoint, usize) -> f64;
     let name = of[0].2.meshes[mesh].name.clone();
-    let values: [(&str, Get); 3] = [
+    let values: [(&str, Field); 3] = [
         ("TE, rms [\u{b5}m]", |p, m| UM * p.meshes[m].error_rms_m),
         ("TE, peak to peak [\u{b5}m]", |p, m| {
             UM * p.meshes[m].error_peak_to_peak_m
@@ -221,7 +224,10 @@ fn harmonics(
             0 => "mesh frequency".to_owned(),
             _ => format!("{} times", k + 1),
         };
-        Entry::line(&text, Stroke::dashed(look(k).ink, 1.8, look(k).dash))
+        Entry::line(
+            &text,
+            Stroke::dashed(curve_style(k).ink, 1.8, curve_style(k).dash),
+        )
     };
     let entries: Vec<Entry> = (0..shown).map(entry).collect();
     chart(

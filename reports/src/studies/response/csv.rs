@@ -55,7 +55,7 @@ pub fn tables(responses: &[ModelResponse]) -> Vec<CsvTable> {
             ("force_rms_n", &|(.., m)| number(m.force_rms_n)),
             ("force_least_n", &|(.., m)| number(m.force_least_n)),
             ("force_greatest_n", &|(.., m)| number(m.force_greatest_n)),
-            ("holds", &|(_, _, p, ..)| p.holds().to_string()),
+            ("holds", &|(_, _, p, ..)| p.is_linear().to_string()),
         ],
     );
     append(&mut of_meshes, "transmission_error", "m", &meshes, |r| {
@@ -79,7 +79,7 @@ pub fn tables(responses: &[ModelResponse]) -> Vec<CsvTable> {
                 number(p.mesh_frequency_hz)
             }),
             ("mount_rms_n", &|(.., m)| number(m.rms_n)),
-            ("holds", &|(_, _, p, ..)| p.holds().to_string()),
+            ("holds", &|(_, _, p, ..)| p.is_linear().to_string()),
         ],
     );
     append(&mut of_mounts, "mount", "n", &mounts, |r| &r.4.harmonics_n);

@@ -117,7 +117,7 @@ pub struct ResponsePoint {
 
 impl ResponsePoint {
     /// True if no flanks separate, so that the linear response is valid.
-    pub fn holds(&self) -> bool {
+    pub fn is_linear(&self) -> bool {
         self.meshes.iter().all(|m| m.force_least_n > 0.0)
     }
 }

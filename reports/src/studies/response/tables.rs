@@ -10,13 +10,13 @@ use maud::{Markup, html};
 /// since the linear response is valid there alone.
 fn peak(group: &GroupResponse, mesh: usize) -> Option<&ResponsePoint> {
     let rms = |p: &&ResponsePoint| p.meshes[mesh].error_rms_m;
-    let valid = group.points.iter().filter(|p| p.holds());
+    let valid = group.points.iter().filter(|p| p.is_linear());
     valid.max_by(|a, b| rms(a).total_cmp(&rms(b)))
 }
 
 /// Returns lowest and highest mesh frequency at which flanks separate [Hz].
 fn parting(group: &GroupResponse) -> Option<[f64; 2]> {
-    let parts = group.points.iter().filter(|p| !p.holds());
+    let parts = group.points.iter().filter(|p| !p.is_linear());
     let mut parts = parts.map(|p| p.mesh_frequency_hz);
     let first = parts.next()?;
     Some([first, parts.next_back().unwrap_or(first)])

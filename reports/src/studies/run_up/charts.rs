@@ -8,7 +8,7 @@ use crate::drawing::geometry::Rect;
 use crate::drawing::heat::{HeatMap, colour_bar};
 use crate::drawing::legend::Entry;
 use crate::drawing::panel::{Curve, LEFT, Panel, WIDTH, chart, extremes};
-use crate::drawing::style::look;
+use crate::drawing::style::curve_style;
 use crate::numbers::{Prefix, quantity, short};
 use crate::record::slug;
 use std::f64::consts::TAU;
@@ -53,7 +53,7 @@ fn largest(rows: &[Vec<f64>], map: &RunUpMap) -> f64 {
 }
 
 /// A line on a map, with its name at the right.
-struct Marked {
+struct MarkedLine {
     points: Vec<(f64, f64)>,
     name: String,
     stroke: Stroke,
@@ -61,12 +61,12 @@ struct Marked {
 
 /// Abscissa of a map: frequency or order.
 #[derive(Clone, Copy, PartialEq)]
-enum By {
+enum MapAbscissa {
     Frequency,
     Order,
 }
 
-fn marks(run: &ModelRunUp, by: By, x: &Axis) -> Vec<Marked> {
+fn marks(run: &ModelRunUp, by: MapAbscissa, x: &Axis) -> Vec<MarkedLine> {
     let speeds: Vec<f64> = (0..=60)
         .map(|i| x.min + (x.max - x.min) * f64::from(i) / 60.0)
         .filter(|s| *s > 0.0)
@@ -75,21 +75,21 @@ fn marks(run: &ModelRunUp, by: By, x: &Axis) -> Vec<Marked> {
     let mut all = Vec::new();
     for n in &run.natural {
         let f = n.frequency_hz;
-        all.push(Marked {
+        all.push(MarkedLine {
             points: line(&|s| match by {
-                By::Frequency => 1e-3 * f,
-                By::Order => TAU * f / s,
+                MapAbscissa::Frequency => 1e-3 * f,
+                MapAbscissa::Order => TAU * f / s,
             }),
             name: format!("fn {}", quantity(f, "Hz", 4)),
             stroke: Stroke::dashed(NATURAL, 1.4, &[9.0, 3.0, 2.0, 3.0]),
         });
     }
     // Shafts lie at the lower edge of a spectrum.
-    for o in (run.orders.iter()).filter(|o| o.of_mesh || by == By::Order) {
-        all.push(Marked {
+    for o in (run.orders.iter()).filter(|o| o.of_mesh || by == MapAbscissa::Order) {
+        all.push(MarkedLine {
             points: line(&|s| match by {
-                By::Frequency => 1e-3 * o.order * s / TAU,
-                By::Order => o.order,
+                MapAbscissa::Frequency => 1e-3 * o.order * s / TAU,
+                MapAbscissa::Order => o.order,
             }),
             name: o.name.clone(),
             stroke: Stroke::dashed(ORDER.opacity(0.8), 0.8, &[2.5, 3.5]),
@@ -100,7 +100,7 @@ fn marks(run: &ModelRunUp, by: By, x: &Axis) -> Vec<Marked> {
 
 /// Paints lines clipped to the map, and their names where there is space: at the right, or above where they end at the
 /// top.
-fn paint_marks(c: &mut Canvas<'_>, frame: &Frame, marks: &[Marked]) {
+fn paint_marks(c: &mut Canvas<'_>, frame: &Frame, marks: &[MarkedLine]) {
     let area = frame.area;
     let (mut right, mut above): (Vec<f64>, Vec<[f64; 2]>) = (Vec::new(), Vec::new());
     for m in marks {
@@ -161,9 +161,14 @@ fn maps(run: &ModelRunUp, channel: &RunUpChannel) -> Result<Chart, DrawError> {
     };
     let khz: Vec<f64> = run.by_time.lines.iter().map(|f| 1e-3 * f).collect();
     let panels = [
-        (By::Frequency, &run.by_time, &khz, scaled(&channel.spectra)),
         (
-            By::Order,
+            MapAbscissa::Frequency,
+            &run.by_time,
+            &khz,
+            scaled(&channel.spectra),
+        ),
+        (
+            MapAbscissa::Order,
             &run.by_turns,
             &run.by_turns.lines,
             scaled(&channel.order_spectra),
@@ -182,8 +187,8 @@ fn maps(run: &ModelRunUp, channel: &RunUpChannel) -> Result<Chart, DrawError> {
                 y: Axis::linear(0.0, lines.last().copied().unwrap_or(1.0)),
             };
             let (y_name, x_name) = match by {
-                By::Frequency => ("frequency [kHz]".to_owned(), String::new()),
-                By::Order => (
+                MapAbscissa::Frequency => ("frequency [kHz]".to_owned(), String::new()),
+                MapAbscissa::Order => (
                     format!("order: per turn of {}", run.gear),
                     format!("speed of {} [rad/s]", run.gear),
                 ),
@@ -282,7 +287,7 @@ fn curves(run: &ModelRunUp) -> Result<Option<Chart>, DrawError> {
             let points = points
                 .map(|(s, a)| (*s, prefix.factor * a))
                 .filter(|p| p.1 > 0.0);
-            let look = look(style);
+            let look = curve_style(style);
             Curve::line(Stroke::dashed(look.ink, 1.7, look.dash), points.collect())
                 .along(Some(style))
         });
@@ -305,7 +310,7 @@ fn curves(run: &ModelRunUp) -> Result<Option<Chart>, DrawError> {
                 true => format!("{} (order {})", o.name, short(o.order, 4)),
                 false => o.name.clone(),
             };
-            let look = look(style);
+            let look = curve_style(style);
             Entry::history(&name, Stroke::dashed(look.ink, 1.7, look.dash), Some(style))
         })
         .collect();

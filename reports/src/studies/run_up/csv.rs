@@ -10,7 +10,7 @@ pub fn tables(run_ups: &[ModelRunUp]) -> Vec<CsvTable> {
     if run_ups.is_empty() {
         return Vec::new();
     }
-    let mapped = |name: &str, file: &str, rows: fn(&RunUpChannel) -> &[Vec<f64>], by: By| {
+    let mapped = |name: &str, file: &str, rows: fn(&RunUpChannel) -> &[Vec<f64>], by: MapOfRun| {
         let mut lines = Vec::new();
         for run in &run_ups {
             let map = by(run);
@@ -44,11 +44,11 @@ pub fn tables(run_ups: &[ModelRunUp]) -> Vec<CsvTable> {
     ]
 }
 
-type By = fn(&ModelRunUp) -> &RunUpMap;
+type MapOfRun = fn(&ModelRunUp) -> &RunUpMap;
 /// A run-up, the windows, and the places of window and line.
-type Line<'a> = (&'a ModelRunUp, &'a RunUpMap, usize, usize);
+type MapPoint<'a> = (&'a ModelRunUp, &'a RunUpMap, usize, usize);
 
-fn table(file: &str, lines: &[Line<'_>], name: &str) -> CsvTable {
+fn table(file: &str, lines: &[MapPoint<'_>], name: &str) -> CsvTable {
     CsvTable::new(
         file,
         lines,
@@ -66,7 +66,7 @@ fn with_quantities(
     mut table: CsvTable,
     run_ups: &[&ModelRunUp],
     has: impl Fn(&RunUpChannel) -> bool,
-    lines: &[Line<'_>],
+    lines: &[MapPoint<'_>],
     value: impl Fn(&RunUpChannel, usize, usize) -> Option<f64>,
 ) -> CsvTable {
     let mut columns: Vec<&str> = Vec::new();
@@ -86,7 +86,7 @@ fn with_quantities(
 }
 
 fn orders(run_ups: &[&ModelRunUp]) -> CsvTable {
-    let mut lines: Vec<Line<'_>> = Vec::new();
+    let mut lines: Vec<MapPoint<'_>> = Vec::new();
     for run in run_ups {
         for order in 0..run.orders.len() {
             let windows = 0..run.by_turns.time_s.len();

@@ -147,7 +147,7 @@ pub struct Map {
 }
 
 /// Returns each pair of model and integrator once, by its first map; several sets may contain the pair.
-pub(crate) fn once<'a>(maps: impl IntoIterator<Item = &'a Map>) -> Vec<&'a Map> {
+pub(crate) fn unique_pairs<'a>(maps: impl IntoIterator<Item = &'a Map>) -> Vec<&'a Map> {
     let mut found: Vec<&Map> = Vec::new();
     for map in maps {
         let same =

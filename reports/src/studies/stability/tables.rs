@@ -1,6 +1,6 @@
 //! Finding and tables of a study of stability.
 
-use super::{Limit, Map, is_lost, once};
+use super::{Limit, Map, is_lost, unique_pairs};
 use crate::markup::table::Table;
 use crate::markup::{glance, note, section};
 use crate::numbers::{count, counted, per_cent, quantity, short, times};
@@ -59,7 +59,9 @@ pub fn finding(maps: &[Map]) -> Vec<Markup> {
     }];
     let about: Vec<Markup> = (models(maps).into_iter())
         .filter_map(|label| {
-            let of_model = once(maps).into_iter().filter(|m| m.model_label() == label);
+            let of_model = unique_pairs(maps)
+                .into_iter()
+                .filter(|m| m.model_label() == label);
             about(&label, &of_model.collect::<Vec<&Map>>())
         })
         .collect();
@@ -70,7 +72,7 @@ pub fn finding(maps: &[Map]) -> Vec<Markup> {
             "."
         });
     }
-    parts.extend(beside(maps).map(|text| html! { (text) }));
+    parts.extend(explicit_sentence(maps).map(|text| html! { (text) }));
     parts
 }
 
@@ -114,7 +116,7 @@ fn about(label: &str, maps: &[&Map]) -> Option<Markup> {
 
 /// Returns the sentence on combinations of step and parameters at which every explicit method is unstable, and the
 /// numbers of those at which an implicit one is stable or accurate.
-fn beside(maps: &[Map]) -> Option<String> {
+fn explicit_sentence(maps: &[Map]) -> Option<String> {
     let (mut lost, mut kept, mut accurate) = (0, 0, 0);
     for label in models(maps) {
         let mut sets: Vec<usize> = maps.iter().map(|m| m.set).collect();
@@ -181,7 +183,7 @@ fn table<'r, 'a>(rows: &'r [&'a Map]) -> Table<'r, &'a Map> {
 }
 
 fn limits(maps: &[Map]) -> Markup {
-    let rows = by_model((once(maps).into_iter()).filter(|m| m.limit().is_some()));
+    let rows = by_model((unique_pairs(maps).into_iter()).filter(|m| m.limit().is_some()));
     if rows.is_empty() {
         return Markup::default();
     }

@@ -7,10 +7,10 @@ use crate::drawing::axis::Axis;
 use crate::drawing::canvas::{DrawError, Ink, Stroke};
 use crate::drawing::legend::Entry;
 use crate::drawing::panel::{Curve, Panel, chart, extremes};
-use crate::drawing::style::{Look, Marker, look};
+use crate::drawing::style::{CurveStyle, Marker, curve_style};
 use crate::numbers::{count, quantity};
 use crate::record::{StaticCycle, Steady};
-use crate::studies::sweep::{Bistable, Branch, Swept, resonance};
+use crate::studies::sweep::{Bistable, Branch, SweptBranch, resonance};
 use spectra::{shaft_orders, spectra};
 
 const KHZ: f64 = 1e-3;
@@ -41,24 +41,24 @@ fn unnamed(marks: &[(f64, String)]) -> Vec<(f64, String)> {
     marks.iter().map(|(x, _)| (*x, String::new())).collect()
 }
 
-fn legend(all: &[Swept<'_>]) -> Vec<Entry> {
-    let entry = |s: &Swept<'_>| Entry::marked(&s.label, look(s.style), filled(s));
+fn legend(all: &[SweptBranch<'_>]) -> Vec<Entry> {
+    let entry = |s: &SweptBranch<'_>| Entry::marked(&s.label, curve_style(s.style), filled(s));
     all.iter().map(entry).collect()
 }
 
 /// True if markers are filled; on the way down they are open.
-fn filled(s: &Swept<'_>) -> bool {
+fn filled(s: &SweptBranch<'_>) -> bool {
     s.branch != Branch::Down
 }
 
 /// Returns all runs that settled.
-fn settled<'s>(all: &'s [Swept<'_>]) -> impl Iterator<Item = &'s Steady> {
+fn settled<'s>(all: &'s [SweptBranch<'_>]) -> impl Iterator<Item = &'s Steady> {
     all.iter().flat_map(|s| s.runs.iter().map(|r| r.0))
 }
 
 /// Draws the charts of a sweep.
 pub fn sweep(
-    all: &[Swept<'_>],
+    all: &[SweptBranch<'_>],
     statics: &[StaticCycle],
     two: &[Bistable],
 ) -> Result<Vec<Chart>, DrawError> {
@@ -75,10 +75,10 @@ pub fn sweep(
     Ok(charts)
 }
 
-fn over_speed(all: &[Swept<'_>], x: &Axis, two: &[Bistable]) -> Result<Chart, DrawError> {
-    type Get = fn(&Steady) -> f64;
+fn over_speed(all: &[SweptBranch<'_>], x: &Axis, two: &[Bistable]) -> Result<Chart, DrawError> {
+    type Field = fn(&Steady) -> f64;
     type Limit = Option<fn(&StaticCycle) -> f64>;
-    let values: [(&str, Get, Limit); 4] = [
+    let values: [(&str, Field, Limit); 4] = [
         (
             "TE, rms [\u{b5}m]",
             |s| UM * s.error_rms_m,
@@ -107,12 +107,12 @@ fn over_speed(all: &[Swept<'_>], x: &Axis, two: &[Bistable]) -> Result<Chart, Dr
                 let point = vec![(at, of(statics))];
                 panel
                     .curves
-                    .push(Curve::points(look(s.style), 4.6, false, point));
+                    .push(Curve::points(curve_style(s.style), 4.6, false, point));
             }
             let points = (s.runs.iter())
                 .map(|(r, _)| (KHZ * r.mesh_frequency_hz, get(r)))
                 .filter(|p| p.1.is_finite());
-            let mut curve = Curve::joined(look(s.style), 1.6, 2.8, points.collect());
+            let mut curve = Curve::joined(curve_style(s.style), 1.6, 2.8, points.collect());
             if let Some(marker) = &mut curve.marker {
                 marker.2 = filled(s);
             }
@@ -121,7 +121,7 @@ fn over_speed(all: &[Swept<'_>], x: &Axis, two: &[Bistable]) -> Result<Chart, Dr
                 .filter(|p| p.1.is_finite());
             let apart: Vec<(f64, f64)> = apart.collect();
             if !apart.is_empty() {
-                let points = Curve::points(look(s.style), 3.2, false, apart);
+                let points = Curve::points(curve_style(s.style), 3.2, false, apart);
                 panel.curves.push(points);
             }
             let failed = s.failed.iter().map(|f| KHZ * f);
@@ -133,9 +133,12 @@ fn over_speed(all: &[Swept<'_>], x: &Axis, two: &[Bistable]) -> Result<Chart, Dr
             unnamed(&marks)
         };
         for t in two {
-            let named = |s: &&Swept<'_>| s.runs.iter().any(|(_, r)| r.model_label() == t.label);
+            let named =
+                |s: &&SweptBranch<'_>| s.runs.iter().any(|(_, r)| r.model_label() == t.label);
             let of = all.iter().find(named);
-            let ink = of.map_or(Ink::GREY, |s| look(s.style).ink).opacity(0.12);
+            let ink = of
+                .map_or(Ink::GREY, |s| curve_style(s.style).ink)
+                .opacity(0.12);
             let band = |[a, b]: &[f64; 2]| ([KHZ * a, KHZ * b], ink);
             panel.bands.extend(t.ranges.iter().map(band));
         }
@@ -165,7 +168,7 @@ fn over_speed(all: &[Swept<'_>], x: &Axis, two: &[Bistable]) -> Result<Chart, Dr
 }
 
 /// Draws the first harmonics over speed, of the most detailed model.
-fn harmonics(all: &[Swept<'_>], x: &Axis) -> Result<Option<Chart>, DrawError> {
+fn harmonics(all: &[SweptBranch<'_>], x: &Axis) -> Result<Option<Chart>, DrawError> {
     const SHOWN: usize = 4;
     let Some(s) = (all.iter().rev()).find(|s| s.first && s.runs.len() > 1) else {
         return Ok(None);
@@ -176,14 +179,14 @@ fn harmonics(all: &[Swept<'_>], x: &Axis) -> Result<Option<Chart>, DrawError> {
         Marker::Diamond,
         Marker::Circle,
     ];
-    let of = |k: usize| -> Look {
-        Look {
+    let of = |k: usize| -> CurveStyle {
+        CurveStyle {
             marker: markers[k],
-            ..look(k)
+            ..curve_style(k)
         }
     };
-    type Get = fn(&Steady, usize) -> Option<f64>;
-    let panel = |y_name: &str, get: Get| {
+    type Field = fn(&Steady, usize) -> Option<f64>;
+    let panel = |y_name: &str, get: Field| {
         let curve = |k: usize| {
             let point = |(r, _): &(&Steady, _)| Some((KHZ * r.mesh_frequency_hz, get(r, k)?));
             Curve::joined(of(k), 1.5, 2.6, s.runs.iter().filter_map(point).collect())
@@ -223,7 +226,7 @@ fn harmonics(all: &[Swept<'_>], x: &Axis) -> Result<Option<Chart>, DrawError> {
 }
 
 /// Draws the transmission error over two mesh cycles: quasi-static, at low speed, and at each resonance.
-fn cycles(still: &[StaticCycle], all: &[Swept<'_>]) -> Result<Option<Chart>, DrawError> {
+fn cycles(still: &[StaticCycle], all: &[SweptBranch<'_>]) -> Result<Option<Chart>, DrawError> {
     let Some(detailed) = all.iter().rev().find(|s| !s.runs.is_empty()) else {
         return Ok(None);
     };
@@ -247,12 +250,13 @@ fn cycles(still: &[StaticCycle], all: &[Swept<'_>]) -> Result<Option<Chart>, Dra
         points.sort_by(|a, b| a.0.total_cmp(&b.0));
         points
     };
-    let line = |look: Look, points| Curve::line(Stroke::dashed(look.ink, 1.8, look.dash), points);
+    let line =
+        |look: CurveStyle, points| Curve::line(Stroke::dashed(look.ink, 1.8, look.dash), points);
     let statics = still.iter().map(|s| {
-        let of = |a: &&Swept<'_>| a.statics.is_some_and(|x| std::ptr::eq(x, s));
+        let of = |a: &&SweptBranch<'_>| a.statics.is_some_and(|x| std::ptr::eq(x, s));
         let style = all.iter().find(of).map(|a| a.style);
         // A model that stands still only is the dark line.
-        let look = style.map_or(STANDING, look);
+        let look = style.map_or(STANDING, curve_style);
         line(look, twice(&s.position, &s.error_m, s.error_mean_m))
     });
     if !still.is_empty() {
@@ -267,7 +271,7 @@ fn cycles(still: &[StaticCycle], all: &[Swept<'_>]) -> Result<Option<Chart>, Dra
             let run = (s.runs.iter()).min_by(|a, b| near(a.0).total_cmp(&near(b.0)));
             if let Some((r, _)) = run {
                 let points = twice(&r.position, &r.error_cycle_m, r.error_mean_m);
-                let mut curve = line(look(s.style), points);
+                let mut curve = line(curve_style(s.style), points);
                 // The way down is thin upon the way up.
                 if let Some(stroke) = curve.stroke.as_mut().filter(|_| !filled(s)) {
                     stroke.width *= 0.5;
@@ -300,7 +304,7 @@ fn cycles(still: &[StaticCycle], all: &[Swept<'_>]) -> Result<Option<Chart>, Dra
 }
 
 /// Look of the quasi-static limit of a model without runs in the sweep.
-const STANDING: Look = Look {
+const STANDING: CurveStyle = CurveStyle {
     ink: Ink::DARK,
     dash: &[],
     marker: Marker::Circle,

@@ -4,11 +4,11 @@ use super::{ShaftOrders, StaticCycle, Steady};
 use crate::csv_table::{CsvColumn, CsvTable, number};
 use crate::record::{Results, Run};
 
-type Settled<'a> = (&'a Run, &'a Steady);
+type SteadyRun<'a> = (&'a Run, &'a Steady);
 
 /// Returns the tables that a record has data for.
 pub fn tables(results: &Results, still: &[StaticCycle]) -> Vec<CsvTable> {
-    let steady: Vec<Settled<'_>> = (results.runs.iter())
+    let steady: Vec<SteadyRun<'_>> = (results.runs.iter())
         .filter_map(|r| Some((r, r.steady.as_ref()?)))
         .collect();
     let mut all = Vec::new();
@@ -46,12 +46,12 @@ pub fn steady_columns() -> [CsvColumn<'static, Steady>; 12] {
     ]
 }
 
-fn speeds(runs: &[Settled<'_>]) -> CsvTable {
+fn speeds(runs: &[SteadyRun<'_>]) -> CsvTable {
     let steady = steady_columns();
     let cells: Vec<_> = (steady.iter())
-        .map(|(_, cell)| move |(_, s): &&Settled<'_>| cell(s))
+        .map(|(_, cell)| move |(_, s): &&SteadyRun<'_>| cell(s))
         .collect();
-    let mut columns: Vec<CsvColumn<'_, &Settled<'_>>> = vec![
+    let mut columns: Vec<CsvColumn<'_, &SteadyRun<'_>>> = vec![
         ("model", &|(r, _)| r.model_label()),
         ("status", &|(r, _)| r.status.to_string()),
     ];
@@ -88,7 +88,7 @@ fn speeds(runs: &[Settled<'_>]) -> CsvTable {
     table
 }
 
-fn orders(runs: &[Settled<'_>]) -> CsvTable {
+fn orders(runs: &[SteadyRun<'_>]) -> CsvTable {
     let mut lines = Vec::new();
     for (r, s) in runs {
         for o in &s.shaft_orders {
@@ -116,7 +116,7 @@ fn orders(runs: &[Settled<'_>]) -> CsvTable {
     )
 }
 
-fn cycles(runs: &[Settled<'_>]) -> CsvTable {
+fn cycles(runs: &[SteadyRun<'_>]) -> CsvTable {
     let rows = (runs.iter()).flat_map(|(r, s)| (0..s.position.len()).map(move |i| (*r, *s, i)));
     CsvTable::new::<(&Run, &Steady, usize)>(
         "sweep_cycles.csv",

@@ -17,7 +17,7 @@ pub use record::{
 };
 
 /// Runs of a model by mesh frequency, on one branch.
-pub struct Swept<'a> {
+pub struct SweptBranch<'a> {
     /// Label of the model.
     pub label: String,
     /// Place of the model in the order of appearance.
@@ -37,7 +37,7 @@ pub struct Swept<'a> {
     pub statics: Option<&'a StaticCycle>,
 }
 
-impl Swept<'_> {
+impl SweptBranch<'_> {
     /// Returns the steady state with the largest root mean square of the transmission error.
     pub fn peak(&self) -> Option<&Steady> {
         let rms = |s: &Steady| s.error_rms_m;
@@ -48,7 +48,7 @@ impl Swept<'_> {
 }
 
 /// Returns the models of a sweep, one entry per branch.
-pub fn swept<'a>(view: &View<'a>, statics: &'a [StaticCycle]) -> Vec<Swept<'a>> {
+pub fn swept<'a>(view: &View<'a>, statics: &'a [StaticCycle]) -> Vec<SweptBranch<'a>> {
     let mut all = Vec::new();
     for g in &view.groups {
         let steady = (g.runs.iter()).filter_map(|(_, r)| Some((r.steady.as_ref()?, *r)));
@@ -64,7 +64,7 @@ pub fn swept<'a>(view: &View<'a>, statics: &'a [StaticCycle]) -> Vec<Swept<'a>> 
                 runs.sort_by(|a, b| a.0.mesh_frequency_hz.total_cmp(&b.0.mesh_frequency_hz));
                 runs
             };
-            all.push(Swept {
+            all.push(SweptBranch {
                 label: match branches.len() {
                     1 => g.label.clone(),
                     _ => format!("{}, {branch}", g.label),
@@ -86,7 +86,7 @@ pub fn swept<'a>(view: &View<'a>, statics: &'a [StaticCycle]) -> Vec<Swept<'a>> 
 }
 
 /// Returns the resonance of the mesh by the last model that has one, the most detailed of a scene [Hz].
-pub fn resonance(all: &[Swept<'_>]) -> Option<f64> {
+pub fn resonance(all: &[SweptBranch<'_>]) -> Option<f64> {
     all.iter().rev().find_map(|s| s.statics?.resonance_hz)
 }
 

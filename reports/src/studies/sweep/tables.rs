@@ -1,6 +1,6 @@
 //! Finding and tables of a speed sweep under load.
 
-use super::{Bistable, Steady, Swept, resonance};
+use super::{Bistable, Steady, SweptBranch, resonance};
 use crate::markup::table::Table;
 use crate::markup::{glance, note, section, short_of};
 use crate::numbers::{quantity, short, significant};
@@ -9,7 +9,7 @@ use maud::{Markup, html};
 
 const UM: f64 = 1e6;
 
-pub fn finding(view: &View<'_>, all: &[Swept<'_>], two: &[Bistable]) -> Vec<Markup> {
+pub fn finding(view: &View<'_>, all: &[SweptBranch<'_>], two: &[Bistable]) -> Vec<Markup> {
     if all.iter().all(|s| s.runs.is_empty()) {
         return vec![html! { "No run reached steady running." }];
     }
@@ -79,7 +79,7 @@ pub fn finding(view: &View<'_>, all: &[Swept<'_>], two: &[Bistable]) -> Vec<Mark
 }
 
 /// Returns the table of peaks and quasi-static values per model.
-pub fn tables(all: &[Swept<'_>]) -> Markup {
+pub fn tables(all: &[SweptBranch<'_>]) -> Markup {
     if all.is_empty() {
         return Markup::default();
     }
@@ -131,8 +131,8 @@ pub fn tables(all: &[Swept<'_>]) -> Markup {
 }
 
 /// Returns the table of every speed of every model.
-pub fn speeds(all: &[Swept<'_>]) -> Markup {
-    let rows: Vec<(&Swept<'_>, &Steady)> = (all.iter())
+pub fn speeds(all: &[SweptBranch<'_>]) -> Markup {
+    let rows: Vec<(&SweptBranch<'_>, &Steady)> = (all.iter())
         .flat_map(|s| s.runs.iter().map(move |(r, _)| (s, *r)))
         .collect();
     let mut table = Table::of(&rows)

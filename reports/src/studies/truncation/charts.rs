@@ -5,48 +5,48 @@ use crate::drawing::axis::{Axis, tick_label};
 use crate::drawing::canvas::DrawError;
 use crate::drawing::legend::Entry;
 use crate::drawing::panel::{Curve, Panel, chart, extremes};
-use crate::drawing::style::{Look, look};
+use crate::drawing::style::{CurveStyle, curve_style};
 use crate::numbers::{count, short};
 use crate::record::{Metrics, Run, finite};
-use crate::studies::truncation::{LIMITS, Way, counts, ways};
+use crate::studies::truncation::{LIMITS, TruncationVariant, counts, variants};
 use crate::view::View;
 
 /// Abscissa of gears without modes on the logarithmic axis, over the least number of modes.
 const NONE_AT: f64 = 0.5;
 
 /// A method of reduction with its look. Truncation has open markers.
-struct Shown<'a> {
-    way: Way<'a>,
-    look: Look,
+struct StyledVariant<'a> {
+    way: TruncationVariant<'a>,
+    look: CurveStyle,
 }
 
-fn shown<'a>(view: &View<'a>) -> Vec<Shown<'a>> {
-    let all = ways(view.results).into_iter();
+fn styled_variants<'a>(view: &View<'a>) -> Vec<StyledVariant<'a>> {
+    let all = variants(view.results).into_iter();
     all.map(|way| {
         let first = way.runs.first().map_or(0, |(i, _)| *i);
         let group = (view.groups.iter()).find(|g| g.runs.iter().any(|(i, _)| *i == first));
-        Shown {
-            look: look(group.map_or(0, |g| g.style)),
+        StyledVariant {
+            look: curve_style(group.map_or(0, |g| g.style)),
             way,
         }
     })
     .collect()
 }
 
-fn legend(shown: &[Shown<'_>]) -> Vec<Entry> {
-    let entry = |s: &Shown<'_>| Entry::marked(&s.way.label, s.look, s.way.residual);
+fn legend(shown: &[StyledVariant<'_>]) -> Vec<Entry> {
+    let entry = |s: &StyledVariant<'_>| Entry::marked(&s.way.label, s.look, s.way.residual);
     shown.iter().map(entry).collect()
 }
 
 /// Abscissa of mode counts: logarithmic, with a place for none at all.
-struct Counts {
+struct ModeCountAxis {
     none: f64,
     axis: Axis,
     ticks: Vec<(f64, String)>,
 }
 
-impl Counts {
-    fn of(shown: &[Shown<'_>]) -> Option<Self> {
+impl ModeCountAxis {
+    fn of(shown: &[StyledVariant<'_>]) -> Option<Self> {
         let tried = counts(shown.iter().map(|s| &s.way));
         let least = *tried.iter().find(|n| **n > 0)? as f64;
         let most = *tried.last()? as f64;
@@ -60,7 +60,7 @@ impl Counts {
         let inner = Axis::decades(least, axis.max);
         let at: Vec<f64> = inner.ticks(9);
         ticks.extend(at.iter().map(|&t| (t, tick_label(t, &at, true))));
-        Some(Counts { none, axis, ticks })
+        Some(ModeCountAxis { none, axis, ticks })
     }
 
     fn place(&self, modes: usize) -> f64 {
@@ -69,7 +69,11 @@ impl Counts {
 }
 
 /// Returns a curve over an abscissa, with failed runs that have one.
-fn curve(s: &Shown<'_>, x: impl Fn(&Run) -> Option<f64>, y: impl Fn(&Run) -> Option<f64>) -> Curve {
+fn curve(
+    s: &StyledVariant<'_>,
+    x: impl Fn(&Run) -> Option<f64>,
+    y: impl Fn(&Run) -> Option<f64>,
+) -> Curve {
     let mut points: Vec<(f64, f64)> = (s.way.runs.iter())
         .filter(|(_, r)| !r.status.is_failure())
         .filter_map(|(_, r)| Some((x(r)?, finite(y(r)?)?)))
@@ -84,7 +88,7 @@ fn curve(s: &Shown<'_>, x: impl Fn(&Run) -> Option<f64>, y: impl Fn(&Run) -> Opt
 }
 
 fn marks(
-    shown: &[Shown<'_>],
+    shown: &[StyledVariant<'_>],
     x: impl Fn(&Run) -> Option<f64>,
     y: impl Fn(&Run) -> Option<f64>,
 ) -> Vec<((f64, f64), String)> {
@@ -107,8 +111,8 @@ fn limits() -> Vec<(f64, String)> {
 
 /// Draws the charts of a study of mode counts.
 pub fn truncation(view: &View<'_>) -> Result<Vec<Chart>, DrawError> {
-    let shown = shown(view);
-    let (Some(x), Some(against)) = (Counts::of(&shown), view.against.clone()) else {
+    let shown = styled_variants(view);
+    let (Some(x), Some(against)) = (ModeCountAxis::of(&shown), view.against.clone()) else {
         return Ok(Vec::new());
     };
     let by_count = |r: &Run| Some(x.place(r.modes?));
@@ -155,8 +159,8 @@ pub fn truncation(view: &View<'_>) -> Result<Vec<Chart>, DrawError> {
     charts.extend(frequencies(view, &shown, &legend, &against)?);
 
     // Peak and impulse.
-    type Get = fn(&Metrics) -> Option<f64>;
-    let metrics: [(&str, Get); 2] = [
+    type Field = fn(&Metrics) -> Option<f64>;
+    let metrics: [(&str, Field); 2] = [
         ("peak-force error [%]", |m| m.peak_force_rel),
         ("impulse error [%]", |m| m.impulse_rel),
     ];
@@ -183,7 +187,7 @@ pub fn truncation(view: &View<'_>) -> Result<Vec<Chart>, DrawError> {
 
 fn frequencies(
     view: &View<'_>,
-    shown: &[Shown<'_>],
+    shown: &[StyledVariant<'_>],
     legend: &[Entry],
     against: &str,
 ) -> Result<Option<Chart>, DrawError> {
@@ -216,9 +220,9 @@ fn frequencies(
 
 /// Draws the time of a step over the number of modes.
 fn cost(
-    shown: &[Shown<'_>],
+    shown: &[StyledVariant<'_>],
     legend: &[Entry],
-    x: &Counts,
+    x: &ModeCountAxis,
     panel: impl Fn(f64, &str, bool) -> Panel,
 ) -> Result<Option<Chart>, DrawError> {
     let by_count = |r: &Run| Some(x.place(r.modes?));

@@ -16,7 +16,7 @@ use crate::view::View;
 pub const LIMITS: [f64; 3] = [0.02, 0.01, 0.005];
 
 /// Runs of one method of reduction, over the number of modes.
-pub struct Way<'a> {
+pub struct TruncationVariant<'a> {
     /// Variant of its runs, such as `by flank compliance`.
     pub label: String,
     /// Criterion by which modes are chosen: `flank-compliance` or `frequency`.
@@ -27,7 +27,7 @@ pub struct Way<'a> {
     pub runs: Vec<(usize, &'a Run)>,
 }
 
-impl<'a> Way<'a> {
+impl<'a> TruncationVariant<'a> {
     /// Returns the runs that ended well and have a finite metric against a reference: modes, magnitude, run.
     pub fn errors(&self, against: &str, metric: Metric) -> Vec<(usize, f64, &'a Run)> {
         (self.runs.iter())
@@ -62,8 +62,8 @@ impl<'a> Way<'a> {
 
 /// Returns the methods of reduction of a record in the order of appearance; runs without modes (references, other
 /// models) belong to none.
-pub fn ways(results: &Results) -> Vec<Way<'_>> {
-    let mut ways: Vec<Way<'_>> = Vec::new();
+pub fn variants(results: &Results) -> Vec<TruncationVariant<'_>> {
+    let mut ways: Vec<TruncationVariant<'_>> = Vec::new();
     for (index, run) in results.runs.iter().enumerate() {
         let (Some(_), Some(residual)) = (run.modes, run.residual) else {
             continue;
@@ -71,7 +71,7 @@ pub fn ways(results: &Results) -> Vec<Way<'_>> {
         let label = run.variant.clone().unwrap_or_else(|| run.model.clone());
         match ways.iter_mut().find(|w| w.label == label) {
             Some(way) => way.runs.push((index, run)),
-            None => ways.push(Way {
+            None => ways.push(TruncationVariant {
                 label,
                 choose: run.choose.clone().unwrap_or_default(),
                 residual,
@@ -86,7 +86,7 @@ pub fn ways(results: &Results) -> Vec<Way<'_>> {
 }
 
 /// Returns all numbers of modes in the study, ascending.
-pub fn counts<'w, 'a: 'w>(ways: impl IntoIterator<Item = &'w Way<'a>>) -> Vec<usize> {
+pub fn counts<'w, 'a: 'w>(ways: impl IntoIterator<Item = &'w TruncationVariant<'a>>) -> Vec<usize> {
     let mut all: Vec<usize> = (ways.into_iter())
         .flat_map(|w| w.runs.iter().filter_map(|(_, r)| r.modes))
         .collect();
@@ -144,7 +144,7 @@ mod tests {
             ],
             ..Results::default()
         };
-        let ways = ways(&results);
+        let ways = variants(&results);
         assert_eq!((ways.len(), counts(&ways)), (1, vec![0, 25, 50, 100]));
         let fewest = |limit| ways[0].fewest("fe", limit).and_then(|r| r.modes);
         // Without modes the error happens to be small, but more modes spoil it.
@@ -165,7 +165,7 @@ mod tests {
             ],
             ..Results::default()
         };
-        let ways = ways(&results);
+        let ways = variants(&results);
         let fewest = ways[0].fewest("fe", 0.01).and_then(|r| r.modes);
         assert_eq!(fewest, Some(100));
         assert_eq!(ways[0].errors("fe", Metric::ForceL2).len(), 2);

@@ -1,6 +1,6 @@
 //! Finding and tables of a study of mode counts.
 
-use super::{LIMITS, Way, counts, ways};
+use super::{LIMITS, TruncationVariant, counts, variants};
 use crate::markup::table::Table;
 use crate::markup::{failed_of, glance, note, section};
 use crate::metrics::Metric;
@@ -19,7 +19,7 @@ fn error(run: &Run, against: &str) -> Option<f64> {
 }
 
 /// Returns the number of modes of a run and their highest frequency, in words.
-fn kept(run: &Run) -> String {
+fn modes_text(run: &Run) -> String {
     let modes = run.modes.unwrap_or(0);
     match run.highest_hz {
         Some(f) if modes > 0 => format!("{modes} (to {})", quantity(f, "Hz", 3)),
@@ -28,7 +28,7 @@ fn kept(run: &Run) -> String {
 }
 
 pub fn finding(view: &View<'_>) -> Vec<Markup> {
-    let (all, id) = (ways(view.results), against(view));
+    let (all, id) = (variants(view.results), against(view));
     if all.is_empty() {
         return vec![html! { "The record holds no run with modes." }];
     }
@@ -55,7 +55,7 @@ pub fn finding(view: &View<'_>) -> Vec<Markup> {
     let truncated = all.iter().filter(|w| !w.residual);
     let marked = truncated.flat_map(|w| w.runs.iter().filter(|(_, r)| r.mark.is_some()));
     let marked: Vec<Markup> = marked
-        .filter_map(|(_, run)| beside(&all, run, &id))
+        .filter_map(|(_, run)| mark_sentence(&all, run, &id))
         .collect();
     if !marked.is_empty() {
         sentences.push(html! {
@@ -70,7 +70,7 @@ pub fn finding(view: &View<'_>) -> Vec<Markup> {
 }
 
 /// Returns the sentence that compares a marked run with the best run with residual compliance and no more modes.
-fn beside(all: &[Way<'_>], run: &Run, id: &str) -> Option<Markup> {
+fn mark_sentence(all: &[TruncationVariant<'_>], run: &Run, id: &str) -> Option<Markup> {
     let name = capital(run.mark.as_deref()?);
     let modes = run.modes?;
     if run.status.is_failure() {
@@ -97,14 +97,14 @@ fn beside(all: &[Way<'_>], run: &Run, id: &str) -> Option<Markup> {
 }
 
 pub fn tables(view: &View<'_>) -> Markup {
-    let (all, id) = (ways(view.results), against(view));
+    let (all, id) = (variants(view.results), against(view));
     if all.is_empty() {
         return Markup::default();
     }
     let mut fewest = Table::of(&all).text("Modes chosen", |w| w.label.clone());
     for limit in LIMITS {
         let heading = format!("Within {}", numbers::limit(limit));
-        fewest = (fewest.written(&heading, "", |w| w.fewest(&id, limit).map(kept))).result();
+        fewest = (fewest.written(&heading, "", |w| w.fewest(&id, limit).map(modes_text))).result();
     }
     let fewest = fewest.written("Least error", "", |w| {
         let of = w.errors(&id, Metric::ForceL2);

@@ -6,9 +6,9 @@
 mod studies;
 
 use gearbench_reports::{
-    ContactPoint, ContactSnapshot, Finished, FlankGrid, FlankLoad, FlankPatch, FlankValue, Ledger,
-    Machine, Metric, Metrics, Outline, Part, ReferenceSeries, Results, Run, Status, StudyHeader,
-    TimeSeries, Tolerance, compare,
+    ContactPoint, ContactSnapshot, FinishedRun, FlankGrid, FlankLoad, FlankPatch, FlankValue,
+    Ledger, Machine, Metric, Metrics, Outline, Part, ReferenceSeries, Results, Run, Status,
+    StudyHeader, TimeSeries, Tolerance, compare,
 };
 use std::f64::consts::PI;
 pub use studies::{
@@ -23,7 +23,7 @@ fn metrics_of(
     against: &str,
 ) -> Metrics {
     let end = series.time_s.last().copied().unwrap_or(0.0);
-    let run = Finished::reached(series, ledger, [end, end]).unwrap();
+    let run = FinishedRun::reached(series, ledger, [end, end]).unwrap();
     compare(run, reference, against)
 }
 
@@ -381,7 +381,7 @@ pub fn rotation_results() -> Results {
                 calibration: Some("static".into()),
                 metrics,
                 ledger,
-                series: Some(s.thinned(2000)),
+                series: Some(s.decimated(2000)),
                 contacts: Some(snapshot(&[(-0.004, 180.0, "1-1"), (0.0078, 262.0, "2-2")])),
                 ..run(model, integrator, 1e-6, 0.25)
             });

@@ -4,7 +4,7 @@ use super::*;
 use crate::small_signals::vibrations_of;
 use gearbench_models::geometry::Side;
 use gearbench_models::spec::GearSpec;
-use gearbench_reports::modes::About;
+use gearbench_reports::modes::LinearisedState;
 
 /// Two and five inertias on springs: openTorsion's tests `test_shaft` and `test_friswell_ex971`, to printed digits, and the
 /// closed form of two.
@@ -54,7 +54,7 @@ fn train(spec: &SceneSpec, mesh: f64) -> Vec<f64> {
 /// Returns the frequencies as `gearbench modes` computes them.
 fn studied(spec: &SceneSpec, mesh: f64) -> Vec<f64> {
     let found = vibrations_of(spec, &rigid(), &contact(mesh / 0.01));
-    assert_eq!(found.about, About::Preloaded);
+    assert_eq!(found.about, LinearisedState::Preloaded);
     let squares = found.modes.iter().map(|m| (TAU * m.frequency_hz).powi(2));
     let times = found.modes.iter().map(|m| m.multiplicity);
     squares.zip(times).flat_map(|(x, n)| vec![x; n]).collect()

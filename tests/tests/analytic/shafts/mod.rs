@@ -151,7 +151,7 @@ pub fn corrects_within(
     let (of_q, _) = scales(scene);
     let wanted = rng.vector(&of_q);
     let held = if rigid {
-        held(scene, s, &wanted)
+        load_references(scene, s, &wanted)
     } else {
         wanted
     };
@@ -169,7 +169,7 @@ pub fn corrects_within(
 }
 
 /// Returns a direction that rigid shafts permit: accelerations from changes of force.
-fn held(scene: &mut Scene, s: &State, wanted: &[f64]) -> Vec<f64> {
+fn load_references(scene: &mut Scene, s: &State, wanted: &[f64]) -> Vec<f64> {
     let n = s.q.len();
     let (mut x, zero) = (vec![0.0; n], vec![0.0; n]);
     scene.tangent_times(s.at(), wanted, &zero, &mut x);

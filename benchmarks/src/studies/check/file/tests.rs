@@ -55,8 +55,8 @@ fn what_is_wrong_is_said_with_its_line() {
         (format!("schema = 1\n{case}modls = []\n"), 4, "modls"),
     ] {
         let e = parse(&text).unwrap_err();
-        assert!(e.message().contains(part), "{}", e.told());
-        assert_eq!(e.line(), Some(line), "{}", e.told());
-        assert!(e.help_text().is_some(), "{}", e.told());
+        assert!(e.message().contains(part), "{}", e.to_text());
+        assert_eq!(e.line(), Some(line), "{}", e.to_text());
+        assert!(e.help_text().is_some(), "{}", e.to_text());
     }
 }

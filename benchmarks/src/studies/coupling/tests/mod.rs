@@ -2,12 +2,12 @@
 
 #![allow(clippy::print_stdout)] // measured numbers belong to the log of a test run
 
-mod studied;
+mod study;
 
-use super::course::Course;
-use super::exchange::{Bounds, End, Exchanged, Manner, exchange};
-use super::frames::{Frame, Led, frames};
+use super::exchange::{Bounds, CoupledRun, CouplingScheme, End, exchange};
+use super::frames::{Frame, PrescribedScene, frames};
 use super::plan::ALLOWED;
+use super::step_polynomial::StepPolynomial;
 use super::{stiffness, theory};
 use crate::experiment::configuration::Configuration;
 use crate::experiment::history::History;
@@ -67,25 +67,25 @@ fn rigid(damping: f64) -> SceneFile {
 }
 
 /// A model of a scene, built.
-struct Built {
+struct BuiltModel {
     entry: Configuration,
     scene: Scene,
     frames: Vec<Frame>,
 }
 
-fn built(file: &SceneFile) -> Built {
+fn built(file: &SceneFile) -> BuiltModel {
     let entry = Configuration::of(file, &file.models[0]);
     let mut scene = Scene::build(&entry.scene, &entry.modelling, models()).expect("a model");
     let frames = frames(&entry.scene, &mut scene).expect("hubs");
-    Built {
+    BuiltModel {
         entry,
         scene,
         frames,
     }
 }
 
-impl Built {
-    fn coupled(&mut self, method: &Scheme, manner: Manner, t_end: f64) -> Exchanged {
+impl BuiltModel {
+    fn coupled(&mut self, method: &Scheme, manner: CouplingScheme, t_end: f64) -> CoupledRun {
         let bounds = Bounds {
             t_end,
             events: true,
@@ -94,7 +94,7 @@ impl Built {
             hopeless: f64::MAX,
         };
         let mut history = History::new(&self.scene, vec![0.0, t_end]);
-        let Built { scene, frames, .. } = self;
+        let BuiltModel { scene, frames, .. } = self;
         exchange(scene, frames, method, manner, bounds, &mut history)
     }
 
@@ -146,7 +146,7 @@ fn runs_in_two_parts_come_to_the_whole_with_the_order_of_extrapolation() {
         let exact = pair.whole(&RK4.at_step(1e-7), t_end);
         let steps = [4e-6, 2e-6, 1e-6, 5e-7];
         let runs = steps.map(|step| {
-            let manner = Manner {
+            let manner = CouplingScheme {
                 extrapolation,
                 motion,
                 step,
@@ -174,7 +174,7 @@ fn the_coupling_fails_where_theory_says() {
     // On one spring and damper that stay closed the pair is the oscillator of theory. Long after the start its vibration has
     // decayed, or grown.
     let mut pair = built(&rigid(400.0));
-    let Built { entry, frames, .. } = &pair;
+    let BuiltModel { entry, frames, .. } = &pair;
     let found = stiffness::oscillator(&entry.scene, &entry.modelling, models(), frames);
     let [omega, zeta] = found.expect("matrices").expect("contact");
     assert!(zeta > 0.02 && zeta < 0.2, "{zeta}");
@@ -188,7 +188,7 @@ fn the_coupling_fails_where_theory_says() {
         let limit =
             theory::limit(extrapolation, [omega, zeta], 1e3 * t_end, ALLOWED).expect("a limit");
         let mut grows = |step: f64| {
-            let manner = Manner {
+            let manner = CouplingScheme {
                 extrapolation,
                 motion: Motion::Cubic,
                 step,
@@ -227,7 +227,7 @@ fn without_contact_a_coupling_has_no_error() {
     let method = RK4.at_step(1e-6);
     let exact = pair.whole(&method, 5e-5);
     for motion in Motion::ALL {
-        let manner = Manner {
+        let manner = CouplingScheme {
             extrapolation: Extrapolation::Quadratic,
             motion,
             step: 7e-6,
@@ -271,7 +271,7 @@ fn frames_hold_the_momentum_of_gears() {
                 frame.name
             );
             let mut moved = v.clone();
-            frame.put(&mut moved, 3.0);
+            frame.move_to(&mut moved, 3.0);
             assert!((frame.mean(&moved) - 3.0).abs() < 1e-12);
         }
         // A led gear has the acceleration of its course, and is deformed as it would be.
@@ -285,9 +285,9 @@ fn frames_hold_the_momentum_of_gears() {
             .for_each(|(i, q)| *q += 1e-6 * (i as f64).cos());
         of.scene.force(pushed.at(), &mut free);
         of.scene.solve_mass(pushed.at(), &mut free);
-        let mut led = Led::new(&mut of.scene, &frames);
+        let mut led = PrescribedScene::new(&mut of.scene, &frames);
         led.courses = vec![
-            Course {
+            StepPolynomial {
                 from: 0.0,
                 c: [0.0, 0.0, 50.0, 0.0]
             };
@@ -323,7 +323,7 @@ fn every_model_comes_to_its_whole() {
         let mut of = built(&file);
         let exact = of.whole(&method, t_end);
         let errors = [4e-6, 2e-6, 1e-6, 5e-7].map(|step| {
-            let manner = Manner {
+            let manner = CouplingScheme {
                 extrapolation: Extrapolation::Quadratic,
                 motion: Motion::Linear,
                 step,

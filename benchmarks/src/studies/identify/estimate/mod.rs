@@ -6,12 +6,12 @@
 //! | [`levenberg_marquardt`] | the fit |
 //! | [`noise`] | the process that the residuals are a part of |
 //! | [`uncertainty`] | covariance under that process, degrees of freedom |
-//! | [`identifiable`] | combinations that the data do not determine |
+//! | [`identifiability`] | combinations that the data do not determine |
 //! | [`profile`] | intervals where the problem is not linear over them |
 //! | `student` | quantiles |
 
 pub mod coordinates;
-pub mod identifiable;
+pub mod identifiability;
 pub mod levenberg_marquardt;
 pub mod noise;
 pub mod profile;
@@ -21,9 +21,9 @@ pub(super) mod tests;
 pub mod uncertainty;
 
 use coordinates::Coordinate;
-use identifiable::{Weak, unknown, weak};
+use identifiability::{UndeterminedCombination, unknown, weak};
 use levenberg_marquardt::{Effort, Minimum, Residuals, minimise};
-use profile::{Profile, Profiled};
+use profile::{Profile, ProfiledFit};
 use uncertainty::{Uncertainty, uncertainty};
 
 /// Confidence level of all intervals.
@@ -54,7 +54,7 @@ pub struct Estimate {
     /// Covariance and degrees of freedom at the minimum.
     pub known: Uncertainty,
     /// Combinations that the data do not determine.
-    pub weak: Vec<Weak>,
+    pub weak: Vec<UndeterminedCombination>,
     /// True for parameters that have no usable value.
     pub unknown: Vec<bool>,
     /// Profiles of the parameters, where they were computed.
@@ -88,14 +88,14 @@ impl Estimate {
 
 /// Fits so far: the sum reached from each start, and the least minimum.
 #[derive(Default)]
-struct Descents {
+struct FitProgress {
     /// Sums of squares as in [`Estimate::starts`].
     sums: Vec<Option<f64>>,
     least: Option<Minimum>,
     evaluations: u32,
 }
 
-impl Descents {
+impl FitProgress {
     /// Minimises from further starting points.
     fn from(
         &mut self,
@@ -116,11 +116,11 @@ impl Descents {
 }
 
 /// Returns the fits with the variations along the path fixed at zero, if there are any.
-fn simplest(problem: &Problem, residuals: &mut Residuals<'_>) -> Descents {
+fn simplest(problem: &Problem, residuals: &mut Residuals<'_>) -> FitProgress {
     let courses: Vec<usize> = (0..problem.free.len())
         .filter(|&j| problem.free[j] && problem.courses[j])
         .collect();
-    let mut descents = Descents::default();
+    let mut descents = FitProgress::default();
     if courses.is_empty() {
         return descents;
     }
@@ -139,14 +139,14 @@ pub fn estimate(problem: &Problem, residuals: &mut Residuals<'_>) -> Option<Esti
     let Problem {
         coordinates, free, ..
     } = problem;
-    let mut descents = Descents::default();
+    let mut descents = FitProgress::default();
     descents.from((coordinates, free), &problem.starts, residuals);
     // What refines a model leads into valleys of its own: the best without it is a start too.
     let simple = simplest(problem, residuals);
     descents.evaluations += simple.evaluations;
     let nested = simple.least.map(|m| m.z);
     descents.from((coordinates, free), nested.as_slice(), residuals);
-    let Descents {
+    let FitProgress {
         sums: starts,
         least,
         mut evaluations,
@@ -161,7 +161,7 @@ pub fn estimate(problem: &Problem, residuals: &mut Residuals<'_>) -> Option<Esti
         evaluations += 1;
         residuals(z)
     };
-    let profiled = Profiled {
+    let profiled = ProfiledFit {
         coordinates,
         minimum: &minimum,
         known: &known,

@@ -54,7 +54,7 @@ const PLACES: [f64; 5] = [0.5, 1.0, 1.5, 2.25, 4.0];
 const FURTHEST: f64 = 3.0;
 
 /// Fit whose profiles are computed.
-pub struct Profiled<'a> {
+pub struct ProfiledFit<'a> {
     /// Coordinates of the parameters.
     pub coordinates: &'a [Coordinate],
     /// Minimum of the sum of squares.
@@ -63,10 +63,10 @@ pub struct Profiled<'a> {
     pub known: &'a Uncertainty,
 }
 
-impl Profiled<'_> {
+impl ProfiledFit<'_> {
     /// Returns the standardised deviation with coordinate `j` fixed a number of half widths away, with its place.
     fn at(&self, residuals: &mut Residuals<'_>, j: usize, widths: f64) -> Option<(f64, f64)> {
-        let Profiled {
+        let ProfiledFit {
             coordinates,
             minimum,
             known,

@@ -87,7 +87,7 @@ fn telling(minimum: &Minimum, rows: Range<usize>) -> Range<usize> {
 }
 
 /// Returns the number of neighbours that are replaced by their mean, because they are almost equal.
-fn alike(e: &[f64]) -> usize {
+fn block_length(e: &[f64]) -> usize {
     let square: f64 = e.iter().map(|x| x * x).sum();
     let correlated = |lag: usize| {
         let lagged: f64 = e.iter().zip(&e[lag..]).map(|(a, b)| a * b).sum();
@@ -196,7 +196,7 @@ pub fn uncertainty(
             start += length;
             let columns = jacobian.rows(rows.start, rows.len()).into_owned();
             let residuals: Vec<f64> = minimum.residuals.as_slice()[rows].to_vec();
-            let of = alike(&residuals);
+            let of = block_length(&residuals);
             let residuals = means(residuals.into_iter(), of);
             let columns: Vec<f64> = (0..q)
                 .flat_map(|j| means(columns.column(j).iter().copied(), of))

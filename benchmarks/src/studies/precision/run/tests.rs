@@ -4,24 +4,29 @@ use super::*;
 use crate::experiment::journal::{JOURNAL, Journal, Subject};
 use crate::experiment::runner::Runner;
 use crate::scene_file::{Selection, load_for};
-use crate::studies::precision::arguments::Asked;
+use crate::studies::precision::arguments::PrecisionOptions;
 use crate::studies::precision::plan::COUNTS;
 use gearbench_reports::Metric;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// The study of some models of a scene, with its stored reference or without.
-fn plan(scene: &str, labels: &str, stored: bool, asked: &Asked) -> Result<Plan<'static>, String> {
+fn plan(
+    scene: &str,
+    labels: &str,
+    stored: bool,
+    asked: &PrecisionOptions,
+) -> Result<Plan<'static>, String> {
     let scene = load_for(scene, Selection::None).unwrap();
     let choices = scene.select(Some(labels)).unwrap();
     let references = match stored {
-        true => scene.clone().held_of_the_scene(true).unwrap(),
+        true => scene.clone().load_own_references(true).unwrap(),
         false => Vec::new(),
     };
     Plan::of(&scene, &choices, &references, asked)
 }
 
 /// The rigid gears of the impact, a few resolutions.
-fn small(asked: &Asked) -> Results {
+fn small(asked: &PrecisionOptions) -> Results {
     let plan = plan("spur_impact", "rigid,rigid-iso6336", true, asked).unwrap();
     let total = plan.len();
     let last = AtomicUsize::new(0);
@@ -43,11 +48,11 @@ fn against(plan: &Plan<'_>, label: &str) -> String {
 
 #[test]
 fn every_resolution_is_a_row_with_both_errors() {
-    let asked = Asked {
+    let asked = PrecisionOptions {
         integrators: Some("velocity-verlet,dopri5,rk4@1us".into()),
         steps: vec![1e-4, 2e-6, 5e-7],
         rtols: vec![1e-3, 1e-6],
-        ..Asked::default()
+        ..PrecisionOptions::default()
     };
     let results = small(&asked);
     assert_eq!(results.runs.len(), 2 * (3 + 2 + 1));
@@ -96,9 +101,9 @@ fn every_resolution_is_a_row_with_both_errors() {
 
 #[test]
 fn short_runs_are_repeated_until_their_times_count() {
-    let asked = Asked {
+    let asked = PrecisionOptions {
         integrators: Some("rk4@2us".into()),
-        ..Asked::default()
+        ..PrecisionOptions::default()
     };
     let mut plan = plan("spur_impact", "rigid", false, &asked).unwrap();
     plan.conditions.repeats = 2;
@@ -112,10 +117,10 @@ fn short_runs_are_repeated_until_their_times_count() {
 
 #[test]
 fn a_series_ends_where_a_run_takes_too_long() {
-    let asked = Asked {
+    let asked = PrecisionOptions {
         integrators: Some("rk4".into()),
         steps: vec![1e-6, 1e-8, 1e-9, 1e-10],
-        ..Asked::default()
+        ..PrecisionOptions::default()
     };
     let mut plan = plan("spur_impact", "rigid", false, &asked).unwrap();
     plan.conditions.max_steps = 1000;
@@ -135,7 +140,7 @@ fn a_series_ends_where_a_run_takes_too_long() {
 #[test]
 fn references_go_with_their_contact() {
     let all = "rigid,elastic,elastic-nodes,elastic-nodes-hard,fe";
-    let impact = plan("spur_impact", all, true, &Asked::default()).unwrap();
+    let impact = plan("spur_impact", all, true, &PrecisionOptions::default()).unwrap();
     for label in ["rigid", "elastic", "elastic-nodes"] {
         assert_eq!(against(&impact, label), "calculix calculix-one-mesh fe");
     }
@@ -148,7 +153,7 @@ fn references_go_with_their_contact() {
 
     // The rack has two contacts that have nothing to do with each other.
     let all = "elastic-nodes,elastic,rigid,fe,fe-nodes";
-    let rack = plan("rack_pinion", all, true, &Asked::default()).unwrap();
+    let rack = plan("rack_pinion", all, true, &PrecisionOptions::default()).unwrap();
     assert_eq!(against(&rack, "elastic-nodes"), "fe-nodes");
     assert_eq!(against(&rack, "elastic"), "calculix fe");
     assert_eq!(against(&rack, "rigid"), "calculix fe");
@@ -156,9 +161,9 @@ fn references_go_with_their_contact() {
     // Named on the command line, the reference stands for all, and the settings say where contacts differ.
     let named = |id: &str| {
         let against = vec![id.to_owned()];
-        let asked = Asked {
+        let asked = PrecisionOptions {
             against,
-            ..Asked::default()
+            ..PrecisionOptions::default()
         };
         plan("rack_pinion", all, true, &asked)
     };
@@ -176,7 +181,8 @@ fn references_go_with_their_contact() {
 fn without_finite_elements_the_densest_elastic_model_is_the_reference() {
     let scene = load_for("hammer", Selection::None).unwrap();
     let choices = scene.select(None).unwrap();
-    let plan_of = |choices: &[_]| Plan::of(&scene, choices, &[], &Asked::default()).unwrap();
+    let plan_of =
+        |choices: &[_]| Plan::of(&scene, choices, &[], &PrecisionOptions::default()).unwrap();
     let plan = plan_of(&choices);
     let ids: Vec<_> = plan.fulls.iter().map(|f| f.id.as_str()).collect();
     assert_eq!(ids, ["elastic"]);
@@ -192,7 +198,7 @@ fn without_finite_elements_the_densest_elastic_model_is_the_reference() {
 #[test]
 fn a_coarse_solution_is_named() {
     let solution = |scheme: Scheme| Converged {
-        by: OwnSolution {
+        by: ConvergedSettings {
             integrator: scheme.method.to_string(),
             step: scheme.resolution.step(),
             rtol: scheme.resolution.tolerance(),

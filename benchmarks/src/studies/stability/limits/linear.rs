@@ -20,7 +20,7 @@ pub enum Linear {
     /// Complete matrices of the system.
     Dense(Dense),
     /// Fastest mode of a large system.
-    Top(Top),
+    FastestMode(FastestMode),
 }
 
 /// Dense stiffness and damping matrices for unit masses.
@@ -41,7 +41,7 @@ pub struct Dense {
 
 /// Fastest mode of a system.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Top {
+pub struct FastestMode {
     /// Undamped angular frequency [rad/s].
     pub omega: f64,
     /// Damping ratio: that of `phi^T D phi`, exact where dampers do not couple the modes.
@@ -56,7 +56,7 @@ impl Linear {
     pub fn highest(&self) -> f64 {
         match self {
             Linear::Dense(x) => x.highest(),
-            Linear::Top(x) => x.omega,
+            Linear::FastestMode(x) => x.omega,
         }
     }
 
@@ -65,7 +65,7 @@ impl Linear {
     pub fn largest_step(&self, stability: &Stability) -> Result<Option<f64>, LimitError> {
         match self {
             Linear::Dense(x) => x.largest_step(stability),
-            Linear::Top(x) => Ok(match stability {
+            Linear::FastestMode(x) => Ok(match stability {
                 Stability::Impulses(_) => None,
                 Stability::Flip(flip) if flip.predicts() => {
                     Some(flip.largest_step(x.omega, x.zeta_predicted))

@@ -1,8 +1,8 @@
 //! Linearisation of a scene at a state with closed contacts: the state and its matrices.
 
 use super::LimitError;
-use super::kick_ends::{known_at_ends, knows_ends, predicted, speeds};
-use super::linear::{Dense, Linear, Top};
+use super::end_dampers::{acts_at_ends, known_at_ends, predicted, speeds};
+use super::linear::{Dense, FastestMode, Linear};
 use crate::experiment::small_signals::assemble;
 use gearbench_integrators::linear_stability::Impulses;
 use gearbench_integrators::table::{DOPRI5, HHT_ALPHA, TRIGONOMETRIC};
@@ -66,7 +66,7 @@ impl Linearised {
     pub fn linear(&mut self) -> Result<Linear, LimitError> {
         let s = self.closed.as_ref().unwrap_or(&self.start);
         if self.scene.layout().n > DENSE {
-            return fastest(&mut self.scene, s).map(Linear::Top);
+            return fastest(&mut self.scene, s).map(Linear::FastestMode);
         }
         let m = mass(&mut self.scene, s);
         let d = damping(&mut self.scene, s);
@@ -136,7 +136,7 @@ impl Linearised {
 }
 
 /// Observer that stores states in contact.
-struct Watch {
+struct ClosedStateRecorder {
     force: Vec<usize>,
     /// Channel of the first gear's displacement, and its pitch.
     displacement: usize,
@@ -150,7 +150,7 @@ struct Watch {
     out: Outputs,
 }
 
-impl Sink for Watch {
+impl Sink for ClosedStateRecorder {
     fn accepted(&mut self, sys: &mut dyn SecondOrderSystem, step: &AcceptedStep<'_>) -> Control {
         sys.output(step.to.at(), &mut self.out);
         let force: f64 = (self.force.iter())
@@ -226,7 +226,7 @@ fn closed_state(scene: &mut Scene, spec: &SceneSpec) -> Option<State> {
     } else {
         (DOPRI5, Resolution::Tolerance(TOLERANCE))
     };
-    let mut watch = Watch {
+    let mut watch = ClosedStateRecorder {
         force: scene.channels_of_meshes(OfMesh::Force),
         displacement: scene.channel(Channel::Gear(0, OfGear::Displacement))?,
         pitch,
@@ -289,7 +289,7 @@ fn damping(scene: &mut Scene, s: &State) -> DMatrix<f64> {
 }
 
 /// The fastest mode, by Lanczos steps with `M^-1 K` in the inner product of `M`, and its damping.
-fn fastest(scene: &mut Scene, s: &State) -> Result<Top, LimitError> {
+fn fastest(scene: &mut Scene, s: &State) -> Result<FastestMode, LimitError> {
     let n = scene.layout().n;
     let at = s.at();
     let mass_times = |scene: &mut Scene, x: &[f64]| {
@@ -369,7 +369,7 @@ fn fastest(scene: &mut Scene, s: &State) -> Result<Top, LimitError> {
     let omega = square.sqrt();
     let zeta = (-dot(&mode, &damped) / (2.0 * omega)).max(0.0);
     let v = speeds(scene);
-    let zeta_predicted = if knows_ends(scene, s, &v) {
+    let zeta_predicted = if acts_at_ends(scene, s, &v) {
         let largest = (mode.iter().zip(&v)).fold(0.0_f64, |m, (x, v)| m.max((x / v).abs()));
         let typical: Vec<f64> = mode.iter().map(|x| x / largest).collect();
         predicted(scene, s, &typical, &mut damped);
@@ -377,7 +377,7 @@ fn fastest(scene: &mut Scene, s: &State) -> Result<Top, LimitError> {
     } else {
         zeta
     };
-    Ok(Top {
+    Ok(FastestMode {
         omega,
         zeta,
         zeta_predicted,

@@ -56,7 +56,7 @@ impl Linearised {
     /// trigonometric method no limit below the first resonance.
     pub fn largest_step(&mut self, stability: &Stability) -> Result<Option<f64>, LimitError> {
         match stability {
-            Stability::Impulses(impulses) => self.largest_kick(*impulses),
+            Stability::Impulses(impulses) => self.largest_impulse_step(*impulses),
             Stability::Controlled | Stability::Unconditional => Ok(None),
             other => self.linear()?.largest_step(other),
         }
@@ -64,7 +64,7 @@ impl Linearised {
 
     /// Returns the largest step between impulses, up to the first resonance: where `2 + 2 cos - h^2 S F K_c F S` loses
     /// definiteness.
-    fn largest_kick(&mut self, impulses: Impulses) -> Result<Option<f64>, LimitError> {
+    fn largest_impulse_step(&mut self, impulses: Impulses) -> Result<Option<f64>, LimitError> {
         let Some(omega) = self.oscillators() else {
             return Ok(None);
         };

@@ -11,17 +11,17 @@
 //! | module | owns |
 //! |---|---|
 //! | [`linearised`] | the state, the matrices there |
-//! | `kick_ends` | dampers that act at the velocities at the end of a half-step impulse |
+//! | `end_dampers` | dampers that act at the velocities at the end of a half-step impulse |
 //! | [`linear`] | mass-scaled matrices, frequencies, the limit of a method on them |
 //! | [`lines`] | limits, resonances and penalty frequency as lines over the step |
-//! | [`found`] | the limit of the method as implemented, by stepping the linear system |
+//! | [`stepped_limit`] | the limit of the method as implemented, by stepping the linear system |
 //! | [`table`] | comparison of both for models and methods |
 
-pub mod found;
-mod kick_ends;
+mod end_dampers;
 pub mod linear;
 pub mod linearised;
 pub mod lines;
+pub mod stepped_limit;
 mod system;
 pub mod table;
 

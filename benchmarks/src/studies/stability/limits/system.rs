@@ -17,19 +17,19 @@ pub(super) struct Vibrations {
     /// Highest angular frequency [rad/s].
     pub highest: f64,
     /// Part of the dampers that acts at the velocities at the end of an impulse.
-    at_ends: Option<AtEnds>,
+    at_ends: Option<EndDampers>,
 }
 
 /// Dampers that act implicitly at the end of an impulse.
 #[derive(Clone, Debug)]
-struct AtEnds {
+struct EndDampers {
     /// Damping matrix in the modes of the stiffness [1/s].
     damping: DMatrix<f64>,
     /// Matrix `1 + time D`, factorised for the duration of the impulses.
     factor: Option<(f64, LU<f64, Dyn, Dyn>)>,
 }
 
-impl AtEnds {
+impl EndDampers {
     /// Replaces the velocities `v` from the other forces by those at the end of an impulse of duration `time` [s].
     fn solve(&mut self, time: f64, v: &mut DVector<f64>) -> bool {
         let n = v.len();
@@ -70,7 +70,7 @@ impl Vibrations {
         let eigen = dense.stiffness.clone().symmetric_eigen();
         let in_modes = |d: &DMatrix<f64>| eigen.eigenvectors.transpose() * d * &eigen.eigenvectors;
         let damping = in_modes(&dense.damping);
-        let at_ends = dense.at_ends.as_ref().map(|d| AtEnds {
+        let at_ends = dense.at_ends.as_ref().map(|d| EndDampers {
             damping: in_modes(d),
             factor: None,
         });
@@ -175,13 +175,13 @@ impl SecondOrderSystem for Vibrations {
 
 /// Undamped oscillators with a linear coupling, `q'' + Omega^2 q = -K_c q`.
 #[derive(Clone, Debug)]
-pub(super) struct Kicked {
+pub(super) struct CoupledOscillators {
     pub omega: Vec<f64>,
     /// Remaining stiffness at the trial step [1/s^2].
     pub rest: DMatrix<f64>,
 }
 
-impl SecondOrderSystem for Kicked {
+impl SecondOrderSystem for CoupledOscillators {
     fn layout(&self) -> Layout {
         Layout {
             n: self.omega.len(),
@@ -219,13 +219,13 @@ impl SecondOrderSystem for Kicked {
     }
 }
 
-impl Events for Kicked {
+impl Events for CoupledOscillators {
     fn commit(&mut self, _s: &mut State) -> Change {
         Change::None
     }
 }
 
-impl ModalSplit for Kicked {
+impl ModalSplit for CoupledOscillators {
     fn oscillators(&self, omega: &mut [f64], zeta: &mut [f64]) {
         omega.copy_from_slice(&self.omega);
         zeta.fill(0.0);

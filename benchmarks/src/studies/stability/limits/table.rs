@@ -1,9 +1,9 @@
 //! Comparison of the theoretical stability limit with the one found by stepping, for each model and method.
 
 use super::LimitError;
-use super::found::found;
 use super::linear::Linear;
 use super::linearised::Linearised;
+use super::stepped_limit::step_limit;
 use crate::experiment::configuration::Configuration;
 use gearbench_integrators::MethodSpec;
 use gearbench_models::gear::movable_teeth::{MovableTeethParameters, PerTooth};
@@ -151,7 +151,7 @@ pub fn table(
                     }
                 };
                 let Some(theory_s) = theory else { continue };
-                let Some(found_s) = found(&mut linearised, method, damped)? else {
+                let Some(found_s) = step_limit(&mut linearised, method, damped)? else {
                     continue;
                 };
                 rows.push(StepLimit {

@@ -1,12 +1,12 @@
 //! Chart of the normal force per face width at the peak.
 
-use super::{Borne, axes, teeth};
+use super::{PeakLoads, axes, teeth};
 use crate::drawing::Chart;
 use crate::drawing::axis::Axis;
 use crate::drawing::canvas::DrawError;
 use crate::drawing::legend::Entry;
 use crate::drawing::panel::{Curve, Panel, chart};
-use crate::drawing::style::{look, model_stroke};
+use crate::drawing::style::{curve_style, model_stroke};
 use crate::numbers::Prefix;
 use crate::record::FlankPatch;
 
@@ -53,7 +53,7 @@ fn per_width(patches: &[&FlankPatch]) -> Vec<(f64, f64)> {
 }
 
 /// Draws the force per width at the peak, for each tooth.
-pub(super) fn over_width(all: &[Borne<'_>]) -> Result<Option<Chart>, DrawError> {
+pub(super) fn over_width(all: &[PeakLoads<'_>]) -> Result<Option<Chart>, DrawError> {
     let mut curves = Vec::new();
     let mut greatest = 0.0_f64;
     for b in all {
@@ -94,7 +94,7 @@ pub(super) fn over_width(all: &[Borne<'_>]) -> Result<Option<Chart>, DrawError> 
                 .map(|(x, y)| (x, y * prefix.factor))
                 .collect();
             Curve {
-                marker: Some((look(b.style), 2.6, true)),
+                marker: Some((curve_style(b.style), 2.6, true)),
                 ..Curve::line(model_stroke(b.style), points)
             }
         })

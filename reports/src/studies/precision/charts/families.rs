@@ -5,12 +5,12 @@ use crate::drawing::Chart;
 use crate::drawing::axis::TICK_SIZE;
 use crate::drawing::canvas::{Anchor, DrawError, Stroke, Type, draw};
 use crate::drawing::geometry::Rect;
-use crate::drawing::labels::Room;
+use crate::drawing::labels::OccupiedArea;
 use crate::drawing::panel::{LEFT, RIGHT, WIDTH};
 use crate::drawing::scatter::{self, Numbers};
-use crate::drawing::style::{look, marker};
+use crate::drawing::style::{curve_style, marker};
 use crate::metrics::Metric;
-use crate::studies::precision::{Cost, Precision, family, is_ours};
+use crate::studies::precision::{Cost, Precision, family, is_reduced_exactly};
 use crate::view::View;
 
 /// Draws the chart with the Pareto front of each family.
@@ -43,22 +43,22 @@ pub(super) fn families(
         scatter::key(c, &models, true);
         let frame = scale.frame(area);
         frame.paint(c, scale.x_name, &metric.axis(), true);
-        let mut room = Room::of(area);
+        let mut room = OccupiedArea::of(area);
         let mut ends: Vec<(String, (f64, f64))> = Vec::new();
         for name in &names {
-            let best = cloud.news(&cloud.front(|s| family(s.run) == *name));
+            let best = cloud.improvements(&cloud.front(|s| family(s.run) == *name));
             let path: Vec<(f64, f64)> = (best.iter())
                 .map(|&i| scale.at(&frame, cloud.shown[i].point))
                 .collect();
             let Some(&last) = best.last() else { continue };
             let s = &cloud.shown[last];
-            let own = look(s.style);
-            let width = if is_ours(s.run) { 2.4 } else { 1.1 };
+            let own = curve_style(s.style);
+            let width = if is_reduced_exactly(s.run) { 2.4 } else { 1.1 };
             c.line(&path, Stroke::new(own.ink.opacity(0.6), width));
-            room.keep_line(&path);
+            room.occupy_line(&path);
             for at in &path {
                 marker(c, *at, 4.0, own, !s.run.implicit);
-                room.keep_point(*at, 4.5);
+                room.occupy_point(*at, 4.5);
             }
             ends.push((numbers.text(&s.run.integrator), scale.at(&frame, s.point)));
         }

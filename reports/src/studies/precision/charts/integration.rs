@@ -1,18 +1,18 @@
 //! Error of the integration over cost: one small diagram per model, against its own converged solution.
 
-use super::{ABOVE, SMALL, Scale, faint, staircase};
+use super::{ABOVE, SMALL, Scale, staircase, translucent};
 use crate::drawing::Chart;
 use crate::drawing::axis::{NAME_SIZE, TICK_SIZE};
 use crate::drawing::canvas::{Anchor, Canvas, DrawError, Ink, Stroke, Type, draw};
 use crate::drawing::geometry::Rect;
-use crate::drawing::labels::Room;
+use crate::drawing::labels::OccupiedArea;
 use crate::drawing::panel::{LEFT, RIGHT, WIDTH};
 use crate::drawing::scatter::{self, Numbers};
-use crate::drawing::style::{look, marker};
+use crate::drawing::style::{curve_style, marker};
 use crate::metrics::Metric;
 use crate::record::SELF;
 use crate::studies::precision::pareto::{Point, front};
-use crate::studies::precision::{Cost, Precision, Shown};
+use crate::studies::precision::{Cost, Precision, WorkPrecisionPoint};
 use crate::view::{capital, metric_against};
 
 /// Draws work-precision diagrams of the integrators, one per model.
@@ -22,11 +22,13 @@ pub(super) fn integration(
 ) -> Result<Option<Chart>, DrawError> {
     let metric = metric_against(study.results, SELF, metric);
     let cloud = study.cloud(SELF, metric, Cost::Processor);
-    let mut panels: Vec<(usize, Option<usize>, Vec<&Shown<'_>>)> = Vec::new();
+    let mut panels: Vec<(usize, Option<usize>, Vec<&WorkPrecisionPoint<'_>>)> = Vec::new();
     for style in 0..study.models.len() {
-        let of: Vec<&Shown<'_>> = cloud.shown.iter().filter(|s| s.style == style).collect();
+        let of: Vec<&WorkPrecisionPoint<'_>> =
+            cloud.shown.iter().filter(|s| s.style == style).collect();
         let modes = busiest(&of);
-        let kept: Vec<&Shown<'_>> = of.into_iter().filter(|s| s.run.modes == modes).collect();
+        let kept: Vec<&WorkPrecisionPoint<'_>> =
+            of.into_iter().filter(|s| s.run.modes == modes).collect();
         if kept.len() > 1 {
             panels.push((style, modes, kept));
         }
@@ -103,7 +105,7 @@ pub(super) fn integration(
 }
 
 /// Returns the number of modes that occurs with most integrators; of several the largest.
-fn busiest(shown: &[&Shown<'_>]) -> Option<usize> {
+fn busiest(shown: &[&WorkPrecisionPoint<'_>]) -> Option<usize> {
     let mut counts: Vec<(usize, Option<usize>)> = Vec::new();
     for s in shown {
         if counts.iter().any(|c| c.1 == s.run.modes) {
@@ -126,11 +128,11 @@ fn panel(
     scale: &Scale,
     (area, last): (Rect, bool),
     style: usize,
-    shown: &[&Shown<'_>],
+    shown: &[&WorkPrecisionPoint<'_>],
 ) {
     let frame = scale.frame(area);
     frame.paint(c, if last { scale.x_name } else { "" }, "", true);
-    let mut room = Room::of(area);
+    let mut room = OccupiedArea::of(area);
     let mut ends: Vec<(&str, (f64, f64))> = Vec::new();
     for s in shown {
         let id = s.run.integrator.as_str();
@@ -142,9 +144,9 @@ fn panel(
                 .filter(|o| o.run.integrator == id && o.run.step.is_some() == steps)
                 .map(|o| scale.at(&frame, o.point))
                 .collect();
-            let stroke = Stroke::new(look(style).ink.opacity(0.35), 1.0);
+            let stroke = Stroke::new(curve_style(style).ink.opacity(0.35), 1.0);
             c.line_within(&curve, &area, stroke);
-            room.keep_line(&curve);
+            room.occupy_line(&curve);
             // The cheap end lies apart: fine steps meet where the converged solution ends.
             let cheap = curve.iter().min_by(|a, b| a.0.total_cmp(&b.0));
             ends.extend(cheap.map(|at| (id, *at)));
@@ -153,12 +155,16 @@ fn panel(
     let points: Vec<Point> = shown.iter().map(|s| s.point).collect();
     let best = front(&points);
     for (i, s) in shown.iter().enumerate() {
-        let own = look(s.style);
-        let kept = if best.contains(&i) { own } else { faint(own) };
+        let own = curve_style(s.style);
+        let kept = if best.contains(&i) {
+            own
+        } else {
+            translucent(own)
+        };
         let radius = if best.contains(&i) { 4.4 } else { 3.2 };
         let at = scale.at(&frame, s.point);
         marker(c, at, radius, kept, !s.run.implicit);
-        room.keep_point(at, radius);
+        room.occupy_point(at, radius);
     }
     let stairs: Vec<Point> = best.iter().map(|&i| points[i]).collect();
     let stroke = Stroke::new(Ink::DARK, 1.2);

@@ -7,16 +7,18 @@ use crate::drawing::Chart;
 use crate::drawing::axis::{Axis, Frame};
 use crate::drawing::canvas::{Anchor, Canvas, DrawError, Ink, Stroke, Type, draw};
 use crate::drawing::geometry::Rect;
-use crate::drawing::labels::Room;
+use crate::drawing::labels::OccupiedArea;
 use crate::drawing::panel::{LEFT, RIGHT, WIDTH, extremes};
 use crate::drawing::scatter;
-use crate::drawing::style::{Look, cross, look, marker};
+use crate::drawing::style::{CurveStyle, cross, curve_style, marker};
 use crate::metrics::Metric;
 
 use crate::numbers::count;
 use crate::record::{Run, SELF, Status};
 use crate::studies::precision::pareto::Point;
-use crate::studies::precision::{Cloud, Cost, Precision, Shown, id_of, modes_and_step};
+use crate::studies::precision::{
+    Cost, Precision, WorkPrecision, WorkPrecisionPoint, id_of, modes_and_step,
+};
 use crate::view::{View, capital, metric_against};
 use families::families;
 use integration::integration;
@@ -107,8 +109,8 @@ impl Scale {
     }
 }
 
-fn faint(look: Look) -> Look {
-    Look {
+fn translucent(look: CurveStyle) -> CurveStyle {
+    CurveStyle {
         ink: look.ink.opacity(FAINT),
         ..look
     }
@@ -121,7 +123,7 @@ fn staircase(
     scale: &Scale,
     points: &[Point],
     stroke: Stroke,
-    room: &mut Room,
+    room: &mut OccupiedArea,
 ) {
     let mut path: Vec<(f64, f64)> = Vec::with_capacity(2 * points.len() + 2);
     for p in points {
@@ -132,7 +134,7 @@ fn staircase(
     if let Some(last) = path.last().copied() {
         path.push((frame.area.x1, last.1));
         c.line_within(&path, &frame.area, stroke);
-        room.keep_line(&path);
+        room.occupy_line(&path);
     }
 }
 
@@ -175,11 +177,17 @@ fn all_runs(
         let frame = scale.frame(area);
         frame.paint(c, scale.x_name, &metric.axis(), true);
         let on = |i: &usize| all.contains(i) || fair.contains(i);
-        let mut room = Room::of(area);
+        let mut room = OccupiedArea::of(area);
         for i in (0..cloud.shown.len()).filter(|i| !on(i)) {
             let s = &cloud.shown[i];
             let at = scale.at(&frame, s.point);
-            marker(c, at, 3.4, faint(look(s.style)), !s.run.implicit);
+            marker(
+                c,
+                at,
+                3.4,
+                translucent(curve_style(s.style)),
+                !s.run.implicit,
+            );
             room.keep_pale(at, 3.4);
         }
         let stairs = |of: &[usize]| of.iter().map(|&i| cloud.shown[i].point).collect::<Vec<_>>();
@@ -192,11 +200,11 @@ fn all_runs(
         for i in (0..cloud.shown.len()).filter(on) {
             let s = &cloud.shown[i];
             let at = scale.at(&frame, s.point);
-            room.keep_point(at, 6.0);
-            marker(c, at, 5.4, look(s.style), !s.run.implicit);
+            room.occupy_point(at, 6.0);
+            marker(c, at, 5.4, curve_style(s.style), !s.run.implicit);
         }
-        let mut named = cloud.news(&fair);
-        named.extend(cloud.news(&all));
+        let mut named = cloud.improvements(&fair);
+        named.extend(cloud.improvements(&all));
         named.sort_unstable();
         named.dedup();
         for &i in &named {
@@ -241,12 +249,12 @@ fn caption(reference: &str, metric: Metric, cost: Cost, fitted: bool, own: bool)
 }
 
 /// Returns the text at a point of the front: integrator, modes and step.
-fn words(s: &Shown<'_>) -> String {
+fn words(s: &WorkPrecisionPoint<'_>) -> String {
     format!("{} {}", id_of(&s.run.integrator), modes_and_step(s.run))
 }
 
 /// Returns the models of a cloud: place, label and whether they are fitted.
-fn models_of(study: &Precision<'_>, cloud: &Cloud<'_>) -> Vec<(usize, String)> {
+fn models_of(study: &Precision<'_>, cloud: &WorkPrecision<'_>) -> Vec<(usize, String)> {
     let styles = (cloud.shown.iter().map(|s| (s.style, s.is_fitted()))).chain(
         cloud
             .failed
@@ -299,7 +307,7 @@ fn failures(c: &mut Canvas<'_>, reasons: &[(Status, Vec<(&Run, usize)>)], edge: 
         let pitch = ((edge.x1 - left - 12.0) / runs.len().max(1) as f64).min(13.0);
         for (i, (run, style)) in runs.iter().enumerate() {
             let at = (left + pitch * (i as f64 + 0.5), y);
-            marker(c, at, 3.6, look(*style), !run.implicit);
+            marker(c, at, 3.6, curve_style(*style), !run.implicit);
         }
     }
 }

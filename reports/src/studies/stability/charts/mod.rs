@@ -1,6 +1,6 @@
 //! Charts of stability maps: an overview at the scene's own parameters, and one figure of small multiples per model.
 
-mod look;
+mod label_style;
 mod overview;
 mod panel;
 
@@ -13,7 +13,7 @@ use crate::numbers::{counted, per_cent, quantity};
 use crate::record::Status;
 use crate::studies::stability::{Columns, LineKind, Map};
 use crate::view::capital;
-use look::{Entry, KINDS, legend, legend_height};
+use label_style::{Entry, KINDS, legend, legend_height};
 pub use overview::overview;
 use panel::{Panel, labels};
 
@@ -335,7 +335,7 @@ mod tests {
         for chart in &charts {
             assert!(!chart.svg.contains("NaN") && !chart.svg.contains("<b>"));
             for status in Status::ALL {
-                let letter = look::look(status).letter;
+                let letter = label_style::label_style(status).letter;
                 let written = format!(">\n{letter}\n<");
                 assert!(
                     letter.is_empty() || chart.svg.contains(&written),

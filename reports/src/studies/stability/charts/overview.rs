@@ -1,13 +1,13 @@
 //! Overview of stability at the scene's own parameters: one strip of cells per model and integrator.
 
-use super::look::{self, Entry, found_mark, legend, legend_height};
+use super::label_style::{self, Entry, legend, legend_height, limit_mark};
 use super::panel::{Abscissa, column_scale};
 use crate::drawing::axis::{Axis, Frame, NAME_SIZE};
 use crate::drawing::canvas::{Anchor, Canvas, DrawError, Type, draw};
 use crate::drawing::geometry::Rect;
 use crate::drawing::panel::{RIGHT, WIDTH, extremes};
 use crate::record::Status;
-use crate::studies::stability::{Columns, LineKind, Map, once};
+use crate::studies::stability::{Columns, LineKind, Map, unique_pairs};
 
 /// Height of a strip and of a heading.
 const STRIP: f64 = 18.0;
@@ -17,7 +17,7 @@ const LEFT: f64 = 236.0;
 
 /// Returns the maps of the overview: each pair of model and integrator once.
 pub fn pairs(maps: &[Map], columns: Columns) -> Vec<&Map> {
-    let mut found = once(maps.iter().filter(|m| m.columns == columns));
+    let mut found = unique_pairs(maps.iter().filter(|m| m.columns == columns));
     // Models stay together, in the order of their first map.
     let order: Vec<String> = found.iter().map(|m| m.model_label()).collect();
     found.sort_by_key(|m| order.iter().position(|l| *l == m.model_label()));
@@ -135,9 +135,9 @@ fn strip(c: &mut Canvas<'_>, map: &Map, place: &dyn Fn(f64) -> f64, whole: &Rect
     if let Some((h, _)) = map.theory(map.own_row()) {
         let at = place(h);
         let line = [(at, area.y1), (at, area.y0)];
-        look::theory_line(c, &line, whole, LineKind::Stability);
+        label_style::theory_line(c, &line, whole, LineKind::Stability);
     }
     if let Some(h) = map.limit().and_then(|l| l.unstable_s.and(l.stable_s)) {
-        found_mark(c, (place(h), middle));
+        limit_mark(c, (place(h), middle));
     }
 }

@@ -1,6 +1,6 @@
 //! One map as coloured cells: steps over the values of a parameter.
 
-use super::look::{found_mark, look, theory_line};
+use super::label_style::{label_style, limit_mark, theory_line};
 use crate::drawing::axis::{Axis, NAME_SIZE, TICK_SIZE, tick_label};
 use crate::drawing::canvas::{Anchor, Canvas, Ink, Stroke, Type, text_width};
 use crate::drawing::geometry::Rect;
@@ -70,7 +70,7 @@ pub fn paint_row(c: &mut Canvas<'_>, cells: &[Cell], x: &Abscissa, strip: &Rect,
     for (k, cell) in cells.iter().enumerate() {
         let left = area.x0 + width * k as f64;
         let box_ = Rect::new(left, strip.y0, left + width, strip.y1);
-        let look = look(cell.status);
+        let look = label_style(cell.status);
         c.fill(&box_, look.ink);
         if k % every == every / 2 && strip.height() >= 7.0 {
             let size = (0.72 * strip.height())
@@ -152,7 +152,7 @@ impl Panel<'_> {
             let own = strip(area, rows, axis.own);
             c.frame(&own, Stroke::new(Ink::ON_CELL, 1.4));
             if let Some(h) = map.limit().and_then(|l| l.unstable_s.and(l.stable_s)) {
-                found_mark(c, (x.place(h, area), 0.5 * (own.y0 + own.y1)));
+                limit_mark(c, (x.place(h, area), 0.5 * (own.y0 + own.y1)));
             }
         }
         c.frame(area, Stroke::new(Ink::PALE, 1.0));

@@ -6,13 +6,13 @@ use crate::drawing::axis::Axis;
 use crate::drawing::canvas::DrawError;
 use crate::drawing::legend::Entry;
 use crate::drawing::panel::{Curve, Panel, chart, extremes};
-use crate::drawing::style::look;
+use crate::drawing::style::curve_style;
 use crate::numbers::quantity;
 use crate::record::{Bearing, Steady};
-use crate::studies::sweep::{Swept, resonance};
+use crate::studies::sweep::{SweptBranch, resonance};
 
 /// Draws the amplitude of every harmonic at every speed over its own frequency.
-pub(super) fn spectra(all: &[Swept<'_>]) -> Result<Option<Chart>, DrawError> {
+pub(super) fn spectra(all: &[SweptBranch<'_>]) -> Result<Option<Chart>, DrawError> {
     let harmonics = |r: &Steady| r.mesh_frequency_hz * r.error_harmonics_m.len() as f64;
     let highest = settled(all).map(harmonics).fold(0.0, f64::max);
     let frequencies = settled(all).map(|r| r.mesh_frequency_hz);
@@ -24,7 +24,7 @@ pub(super) fn spectra(all: &[Swept<'_>]) -> Result<Option<Chart>, DrawError> {
     let top = highest.min(6.0 * fn_hz);
     let x = Axis::decades(0.9 * KHZ * lowest, KHZ * top);
     let bearings = settled(all).next().map_or(&[][..], |r| &r.bearings);
-    let points = |s: &Swept<'_>, of: &dyn Fn(&Steady) -> Vec<f64>, scale: f64| -> Curve {
+    let points = |s: &SweptBranch<'_>, of: &dyn Fn(&Steady) -> Vec<f64>, scale: f64| -> Curve {
         let mut points: Vec<(f64, f64)> = (s.runs.iter())
             .flat_map(|(r, _)| {
                 let f = r.mesh_frequency_hz;
@@ -36,7 +36,7 @@ pub(super) fn spectra(all: &[Swept<'_>]) -> Result<Option<Chart>, DrawError> {
             .filter(|p| p.1 > 0.0 && p.0 <= x.max)
             .collect();
         points.sort_by(|a, b| a.0.total_cmp(&b.0));
-        Curve::points(look(s.style), 1.7, true, points)
+        Curve::points(curve_style(s.style), 1.7, true, points)
     };
     let errors = all
         .iter()
@@ -83,8 +83,8 @@ fn top_decades(panel: &Panel, decades: f64) -> Option<Axis> {
 
 /// Draws the transmission error at the orders of the shafts at the lowest speed, which deviations from tooth to tooth
 /// excite.
-pub(super) fn shaft_orders(all: &[Swept<'_>]) -> Result<Option<Chart>, DrawError> {
-    let shown: Vec<(&Swept<'_>, &Steady)> = (all.iter())
+pub(super) fn shaft_orders(all: &[SweptBranch<'_>]) -> Result<Option<Chart>, DrawError> {
+    let shown: Vec<(&SweptBranch<'_>, &Steady)> = (all.iter())
         .filter(|s| s.first)
         .filter_map(|s| Some((s, s.runs.first()?.0)))
         .filter(|(_, r)| !r.shaft_orders.is_empty())
@@ -101,7 +101,12 @@ pub(super) fn shaft_orders(all: &[Swept<'_>]) -> Result<Option<Chart>, DrawError
             let points = points
                 .map(|(i, a)| ((i + 1) as f64, UM * a))
                 .filter(|p| p.1 > 0.0);
-            Some(Curve::points(look(s.style), 2.6, true, points.collect()))
+            Some(Curve::points(
+                curve_style(s.style),
+                2.6,
+                true,
+                points.collect(),
+            ))
         });
         let mut panel = Panel::new(200.0, &x, "TE amplitude [\u{b5}m]").curves(curves);
         panel.y = top_decades(&panel, 6.0);
@@ -122,7 +127,7 @@ pub(super) fn shaft_orders(all: &[Swept<'_>]) -> Result<Option<Chart>, DrawError
     );
     let title = "Orders of the transmission error";
     let names: Vec<Entry> = (shown.iter())
-        .map(|(s, _)| Entry::marked(&s.label, look(s.style), true))
+        .map(|(s, _)| Entry::marked(&s.label, curve_style(s.style), true))
         .collect();
     chart("sweep_orders.svg", title, caption, &names, &panels).map(Some)
 }

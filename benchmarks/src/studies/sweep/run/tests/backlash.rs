@@ -12,7 +12,7 @@ use gearbench_integrators::State;
 use gearbench_integrators::table::RK4;
 use gearbench_models::spec::{Modelling, base_radius};
 use gearbench_reports::series::{Column, TimeSeries};
-use oscillator::{Case, FM, FORCED, Own, PARAMETRIC, Z};
+use oscillator::{Case, FM, FORCED, IndependentOscillator, PARAMETRIC, Z};
 use std::f64::consts::TAU;
 
 /// Half of the dead zone over the base pitch; the mean deflection is a tenth of it. Larger ones shift the teeth, by some
@@ -214,7 +214,7 @@ const KNOWN_DOWN: [(f64, f64); 3] = [(0.85, 0.14429031), (0.90, 0.12608384), (0.
 #[test]
 fn the_oscillator_jumps_where_it_is_known_to() {
     let own = |ws: &[f64]| -> Vec<f64> {
-        let mut own = Own {
+        let mut own = IndependentOscillator {
             case: PARAMETRIC,
             w: ws[0],
             t: 0.0,

@@ -40,7 +40,7 @@ const STEPS: usize = 3000;
 
 /// Two gears with one degree of freedom, the approach `x` of their flanks along the line of action, at constant common
 /// rotation.
-struct Own {
+struct IndependentPair {
     /// Base radii, tip radii [m].
     rb: [f64; 2],
     ra: [f64; 2],
@@ -69,7 +69,7 @@ fn involute(ratio: f64) -> f64 {
     ratio - ratio.atan()
 }
 
-impl Own {
+impl IndependentPair {
     fn new(scene: &SceneFile) -> Self {
         let spec = &scene.spec;
         let models = crate::models::models();
@@ -90,7 +90,7 @@ impl Own {
         let alpha0 = 20.0_f64.to_radians();
         let thickness = 4.5e-3 * (0.25 * TAU + 2.0 * 0.1817 * alpha0.tan()) - 5e-5;
         let half = 0.5 * thickness / (8.0 * 4.5e-3) + involute(alpha0.tan());
-        Own {
+        IndependentPair {
             rb,
             ra: gears.map(|g| g.r_tip()),
             centre_distance,
@@ -211,7 +211,7 @@ fn loaded_gears_follow_both_branches_of_the_backlash_resonance() {
         ..super::plan(&scene, frequencies.clone(), 8, 0.02)
     };
     let runs = sweep(&plan, &Runner::default()).unwrap().runs;
-    let mut own = Own::new(&scene);
+    let mut own = IndependentPair::new(&scene);
     let down = frequencies.iter().rev();
     let (mut apart, mut behind) = (0, 0);
     for (run, f) in runs.iter().zip(frequencies.iter().chain(down)) {

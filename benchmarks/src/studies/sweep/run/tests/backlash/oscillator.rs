@@ -29,14 +29,14 @@ pub(super) const FORCED: Case = Case {
 };
 
 /// Independent integration of the oscillator with fixed steps, divided where the contact opens or closes.
-pub(super) struct Own {
+pub(super) struct IndependentOscillator {
     pub(super) case: Case,
     pub(super) w: f64,
     pub(super) t: f64,
     pub(super) x: [f64; 2],
 }
 
-impl Own {
+impl IndependentOscillator {
     fn rate(&self, t: f64, [x, v]: [f64; 2], closed: bool) -> [f64; 2] {
         let g = if closed { x - 1.0 } else { 0.0 };
         let Case { e, fa, .. } = self.case;

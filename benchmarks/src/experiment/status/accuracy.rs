@@ -51,7 +51,7 @@ enum Verdict {
 
 /// The advice that reduces the error of a run against a reference; for a model's own converged solution it is an
 /// integration error.
-fn way_out(run: &Run, against: &str, limit: f64) -> &'static str {
+fn remedy(run: &Run, against: &str, limit: f64) -> &'static str {
     const FINER: &str = "use a smaller step or tolerance";
     if against == SELF {
         return FINER;
@@ -105,7 +105,7 @@ fn by_tolerance(
             "{metric} against {against} is {}, above the limit of the scene, {}; {}",
             short(x, digits(x.abs())),
             short(*limit, digits(x.abs())),
-            way_out(run, against, *limit)
+            remedy(run, against, *limit)
         )),
         None => Verdict::NotJudged(format!(
             "{metric} against {against} is not defined for this run"

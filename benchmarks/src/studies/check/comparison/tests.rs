@@ -3,8 +3,8 @@
 use super::super::file::tests_support::rules;
 use super::*;
 
-fn measured() -> Measured {
-    Measured {
+fn measured() -> MeasuredEntry {
+    MeasuredEntry {
         case: "impact".into(),
         model: "rigid".into(),
         method: "newmark@5e-7s".into(),
@@ -18,13 +18,13 @@ fn measured() -> Measured {
             [("stiffness_n_per_m2".to_owned(), 1.5e10.into())].into(),
         )]
         .into(),
-        ..Measured::default()
+        ..MeasuredEntry::default()
     }
 }
 
-fn moved_of(now: Measured, rules: &Rules, same: bool) -> Vec<String> {
+fn moved_of(now: MeasuredEntry, rules: &Rules, same: bool) -> Vec<String> {
     let checked = judge(now, Some(&measured()), rules, same);
-    checked.moved().map(Finding::told).collect()
+    checked.moved().map(Finding::to_text).collect()
 }
 
 #[test]
@@ -65,7 +65,7 @@ fn one_per_cent_of_stiffness_is_named_with_its_constant() {
     let checked = judge(now, Some(&measured()), &rules(""), true);
     let moved: Vec<&str> = checked.moved().map(|f| f.what.as_str()).collect();
     assert_eq!(moved, ["peak_force_n"]);
-    let reported: Vec<String> = checked.reported().map(Finding::told).collect();
+    let reported: Vec<String> = checked.reported().map(Finding::to_text).collect();
     assert!(
         reported[0].starts_with("contact pinion - wheel: stiffness_n_per_m2"),
         "{reported:?}"
@@ -90,7 +90,7 @@ fn half_as_long_again_is_slow_where_processors_compare() {
     assert_eq!(moved_of(now.clone(), &open, true), Vec::<String>::new());
     let told = judge(now, Some(&measured()), &open, true);
     assert_eq!(told.reported().count(), 1);
-    assert_eq!(slow_from(Some(&measured()), &open), Some(1.35 * 0.5));
+    assert_eq!(slow_limit(Some(&measured()), &open), Some(1.35 * 0.5));
 }
 
 #[test]
@@ -113,8 +113,8 @@ fn failures_limits_and_what_is_missing() {
 #[test]
 fn a_program_that_is_slower_everywhere_is_named() {
     let rules = rules("");
-    let entries = |ratio: fn(usize) -> f64, count: usize| -> Vec<Measured> {
-        let entry = |i| Measured {
+    let entries = |ratio: fn(usize) -> f64, count: usize| -> Vec<MeasuredEntry> {
+        let entry = |i| MeasuredEntry {
             method: format!("newmark@{i}s"),
             runtime: Some(0.5 * ratio(i)),
             ..measured()
@@ -122,7 +122,7 @@ fn a_program_that_is_slower_everywhere_is_named() {
         (0..count).map(entry).collect()
     };
     let before = entries(|_| 1.0, 12);
-    let told = |now: Vec<Measured>, same| {
+    let told = |now: Vec<MeasuredEntry>, same| {
         let found = program(&now, &before, &rules.runtime, same)?;
         Some((found.moved().count(), found.reported().count()))
     };

@@ -6,38 +6,38 @@
 //! adequate, whatever was estimated between models. The yardstick's distance is reported.
 
 use super::plan::Candidate;
-use super::reason::per_cent;
+use super::reasons::per_cent;
 use super::requirement::Requirement;
 use crate::experiment::conditions::Conditions;
-use crate::experiment::referenced::recorded;
+use crate::experiment::reference_series::recorded;
 use crate::experiment::run::{RunError, run};
-use crate::scene_file::references::Held;
+use crate::scene_file::references::LoadedReference;
 use gearbench_reports::Metric;
 use gearbench_reports::metrics::compare_all;
 use gearbench_reports::record::Run;
 
 /// Model that is compared with the references of the scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Subject {
+pub(super) enum ComparedModel {
     /// The candidate that was chosen.
     Choice,
     /// The yardstick, the most detailed level of the hierarchy.
     Yardstick,
 }
 
-impl Subject {
+impl ComparedModel {
     /// The words with which settings of the record about this model begin.
     fn against(self) -> &'static str {
         match self {
-            Subject::Choice => "the choice against",
-            Subject::Yardstick => "the yardstick against",
+            ComparedModel::Choice => "the choice against",
+            ComparedModel::Yardstick => "the yardstick against",
         }
     }
 }
 
 /// Distances of a model to the references, with the settings of the record about them.
 #[derive(Debug, Default)]
-pub(super) struct Found {
+pub(super) struct ReferenceDistances {
     /// Settings of the record, one for each reference.
     pub(super) settings: Vec<(String, String)>,
     /// References with the distance of the model in the required metric; `None` where it cannot be evaluated.
@@ -51,11 +51,11 @@ pub(super) struct Found {
 /// # Errors
 /// [`RunError`] when it cannot run.
 pub(super) fn against(
-    (subject, candidate): (Subject, &Candidate),
-    references: &[Held],
+    (subject, candidate): (ComparedModel, &Candidate),
+    references: &[LoadedReference],
     requirement: &Requirement,
-) -> Result<Found, RunError> {
-    let mut found = Found::default();
+) -> Result<ReferenceDistances, RunError> {
+    let mut found = ReferenceDistances::default();
     // References of the scene's own conditions share a run.
     let mut own = None;
     for held in references {
@@ -64,7 +64,8 @@ pub(super) fn against(
             Some(row) if of_the_scene => Run::clone(row),
             _ => under(candidate, held, references)?,
         };
-        let (told, distance, beyond) = told(&row, held, (subject, candidate), requirement);
+        let (told, distance, beyond) =
+            compare_with_reference(&row, held, (subject, candidate), requirement);
         let id = &held.data.id;
         found.distances.push((id.clone(), distance));
         if beyond {
@@ -86,10 +87,14 @@ pub(super) fn against(
 }
 
 /// A model at the speeds and loads of a reference.
-fn under(candidate: &Candidate, held: &Held, all: &[Held]) -> Result<Run, RunError> {
+fn under(
+    candidate: &Candidate,
+    held: &LoadedReference,
+    all: &[LoadedReference],
+) -> Result<Run, RunError> {
     let conditions = Conditions {
         repeats: 0,
-        ..Conditions::of(&held.scene).held_against(all.iter().map(|h| &h.data))
+        ..Conditions::of(&held.scene).compared_with(all.iter().map(|h| &h.data))
     };
     let mut spec = held.scene.spec.clone();
     // The candidate's scene may have another gap than the file's; one that the reference has counts before it.
@@ -104,10 +109,10 @@ fn under(candidate: &Candidate, held: &Held, all: &[Held]) -> Result<Run, RunErr
 
 /// Returns all errors against a reference in words, the one in the required metric, and whether that exceeds the
 /// tolerance.
-fn told(
+fn compare_with_reference(
     row: &Run,
-    held: &Held,
-    (subject, candidate): (Subject, &Candidate),
+    held: &LoadedReference,
+    (subject, candidate): (ComparedModel, &Candidate),
     requirement: &Requirement,
 ) -> (String, Option<f64>, bool) {
     let run = match row.finished() {
@@ -136,11 +141,11 @@ fn told(
     let beyond = asked.is_some_and(|e| e > requirement.tolerance);
     all.extend(match (asked, subject) {
         (None, _) => Some(format!("it says nothing of the {title} that was asked for")),
-        (Some(_), Subject::Yardstick) => None,
-        (Some(_), Subject::Choice) if beyond => Some(format!(
+        (Some(_), ComparedModel::Yardstick) => None,
+        (Some(_), ComparedModel::Choice) if beyond => Some(format!(
             "so the {title} is beyond the {allowed} asked for: the choice is not adequate"
         )),
-        (Some(_), Subject::Choice) => {
+        (Some(_), ComparedModel::Choice) => {
             Some(format!("so the {title} is within the {allowed} asked for"))
         }
     });

@@ -161,7 +161,7 @@ pub(super) fn misaligned(
 }
 
 /// Out-of-plane keys of a gear: bearing, freedoms, mass and inertia.
-pub(super) struct LateralKeys {
+pub(super) struct OutOfPlaneKeys {
     pub(super) bearing: Option<BearingKeys>,
     pub(super) directions: Option<DirectionKeys>,
     pub(super) mass: Option<Positive>,
@@ -195,8 +195,8 @@ fn matrix(
 }
 
 /// Reads the out-of-plane motion of a hub; `None` if its mount fixes all directions but its own motion (index `own`).
-pub(super) fn lateral(
-    keys: LateralKeys,
+pub(super) fn out_of_plane(
+    keys: OutOfPlaneKeys,
     own: usize,
     at: &Place<'_>,
 ) -> Result<Option<Box<OutOfPlaneSpec>>, SceneError> {

@@ -13,7 +13,7 @@ use crate::studies::stability::LineKind;
 
 /// Colour and letter of a label.
 #[derive(Clone, Copy)]
-pub struct Look {
+pub struct LabelStyle {
     pub ink: Ink,
     /// Letter in it; none for runs that converged.
     pub letter: &'static str,
@@ -24,7 +24,7 @@ pub struct Look {
 const ON_DARK: Ink = Ink(0xfe, 0xfe, 0xfe, 1.0);
 
 /// Returns colour and letter of a label.
-pub fn look(status: Status) -> Look {
+pub fn label_style(status: Status) -> LabelStyle {
     let (ink, letter, dark) = match status {
         Status::Converged => (Ink(0xc9, 0xe7, 0xdc, 1.0), "", true),
         Status::Unchecked => (Ink(0xe6, 0xf4, 0xef, 1.0), "?", true),
@@ -41,7 +41,7 @@ pub fn look(status: Status) -> Look {
         Status::Aborted => (Ink(0x1d, 0x23, 0x29, 1.0), "!", false),
         Status::Interrupted => (Ink(0xf4, 0xf5, 0xf6, 1.0), "-", true),
     };
-    Look {
+    LabelStyle {
         ink,
         letter,
         text: if dark { Ink::ON_CELL } else { ON_DARK },
@@ -73,7 +73,7 @@ pub fn theory_line(c: &mut Canvas<'_>, points: &[(f64, f64)], frame: &Rect, kind
 }
 
 /// Paints the mark of the largest stable step.
-pub fn found_mark(c: &mut Canvas<'_>, (x, y): (f64, f64)) {
+pub fn limit_mark(c: &mut Canvas<'_>, (x, y): (f64, f64)) {
     let shape = |r: f64| [(x, y - r), (x + r, y), (x, y + r), (x - r, y)];
     c.polygon(&shape(6.2), Ink::WHITE);
     c.polygon(&shape(4.4), Ink::DARK);
@@ -118,13 +118,13 @@ pub fn legend(c: &mut Canvas<'_>, entries: &[Entry], y: f64) {
         let sample = Rect::new(x, y - 7.5, x + 22.0, y + 7.5);
         match entry {
             Entry::Label(status) => {
-                let look = look(*status);
+                let look = label_style(*status);
                 c.fill(&sample, look.ink);
                 let kind = Type::new(11.0, Anchor::Middle).ink(look.text).bold();
                 c.text(look.letter, (x + 11.0, y), kind);
             }
             Entry::Theory(kind) => theory_line(c, &[(x, y), (x + 22.0, y)], &sample, *kind),
-            Entry::Found => found_mark(c, (x + 11.0, y)),
+            Entry::Found => limit_mark(c, (x + 11.0, y)),
         }
         let kind = Type::new(NAME_SIZE, Anchor::Start);
         c.text(entry.text(), (x + 28.0, y), kind);
@@ -138,7 +138,7 @@ mod tests {
     /// Lightness of neighbours on the scale from converged to failed differs, and no two labels share a letter.
     #[test]
     fn labels_differ_without_colour() {
-        let all = Status::ALL.map(look);
+        let all = Status::ALL.map(label_style);
         for (i, a) in all.iter().enumerate() {
             for b in &all[i + 1..] {
                 assert_ne!(a.letter, b.letter);

@@ -5,7 +5,7 @@
 //! The remaining `n - h` coordinates span the admissible motions; stiffness and damping are matrices over them,
 //! accurate to rounding relative to their own size. Constrained directions have no frequency.
 
-use super::NotSolved;
+use super::LoadedStateError;
 use faer::Mat;
 use gearbench_reference::modes::symmetric_eigen;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
@@ -17,7 +17,7 @@ const RESIDUAL: f64 = 1e-10;
 
 /// Admissible motions in coordinates of unit mass.
 #[derive(Clone, Debug)]
-pub struct Space {
+pub struct AdmissibleMotions {
     mass: Cholesky<f64, Dyn>,
     /// Unit normals of the Householder reflections; the first k entries of the k-th are zero.
     reflections: Vec<DVector<f64>>,
@@ -34,27 +34,28 @@ pub struct Modes {
     pub residual: f64,
 }
 
-impl Space {
+impl AdmissibleMotions {
     /// The space of all motions, without constraints.
-    pub fn new(mass: &DMatrix<f64>) -> Result<Space, NotSolved> {
-        let mass = (mass.clone().cholesky())
-            .ok_or(NotSolved::Matrices("its mass is not positive definite"))?;
-        Ok(Space {
+    pub fn new(mass: &DMatrix<f64>) -> Result<AdmissibleMotions, LoadedStateError> {
+        let mass = (mass.clone().cholesky()).ok_or(LoadedStateError::Matrices(
+            "its mass is not positive definite",
+        ))?;
+        Ok(AdmissibleMotions {
             mass,
             reflections: Vec::new(),
         })
     }
 
     /// Adds the constraints `C x = 0`.
-    pub fn hold(&mut self, rows: &[Vec<f64>]) {
+    pub fn constrain(&mut self, rows: &[Vec<f64>]) {
         for row in rows {
             let row = self.over_mass(row);
-            self.hold_along(row);
+            self.constrain_along(row);
         }
     }
 
     /// Constrains the motion along a vector `y`.
-    pub fn hold_along(&mut self, along: DVector<f64>) {
+    pub fn constrain_along(&mut self, along: DVector<f64>) {
         let (k, size) = (self.reflections.len(), along.norm());
         let mut normal = along;
         self.reflect(&mut normal);
@@ -69,13 +70,13 @@ impl Space {
     }
 
     /// Number of constrained directions.
-    pub fn held(&self) -> usize {
+    pub fn constraints(&self) -> usize {
         self.reflections.len()
     }
 
     /// Number of admissible motions.
     pub fn motions(&self) -> usize {
-        self.mass.l_dirty().nrows() - self.held()
+        self.mass.l_dirty().nrows() - self.constraints()
     }
 
     /// Computes `L^-1 f` with the Cholesky factor `L` of the mass matrix.
@@ -96,7 +97,7 @@ impl Space {
     pub fn force(&self, f: &[f64]) -> DVector<f64> {
         let mut y = self.over_mass(f);
         self.reflect(&mut y);
-        y.rows(self.held(), self.motions()).into_owned()
+        y.rows(self.constraints(), self.motions()).into_owned()
     }
 
     /// The force over the coordinates of the scene of a force in the space.
@@ -108,7 +109,7 @@ impl Space {
     pub fn velocity(&self, v: &[f64]) -> DVector<f64> {
         let mut y = self.all_velocity(v);
         self.reflect(&mut y);
-        y.rows(self.held(), self.motions()).into_owned()
+        y.rows(self.constraints(), self.motions()).into_owned()
     }
 
     /// Converts a velocity to coordinates `y` of unit mass.
@@ -120,7 +121,7 @@ impl Space {
     pub fn held_velocity(&self, v: &[f64], first: usize) -> Vec<f64> {
         let mut y = self.all_velocity(v);
         self.reflect(&mut y);
-        y.rows_mut(first, self.held() + self.motions() - first)
+        y.rows_mut(first, self.constraints() + self.motions() - first)
             .fill(0.0);
         for normal in self.reflections.iter().rev() {
             let along = 2.0 * normal.dot(&y);
@@ -143,8 +144,8 @@ impl Space {
 
     /// Converts coordinates of the space to coordinates `y` of all motions.
     pub fn whole(&self, u: &DVector<f64>) -> DVector<f64> {
-        let mut y = DVector::zeros(self.held() + self.motions());
-        y.rows_mut(self.held(), self.motions()).copy_from(u);
+        let mut y = DVector::zeros(self.constraints() + self.motions());
+        y.rows_mut(self.constraints(), self.motions()).copy_from(u);
         for normal in self.reflections.iter().rev() {
             let along = 2.0 * normal.dot(&y);
             y.axpy(-along, normal, 1.0);
@@ -168,12 +169,12 @@ impl Space {
             }
             a.transpose_mut();
         }
-        let (from, n) = (self.held(), self.motions());
+        let (from, n) = (self.constraints(), self.motions());
         a.view((from, from), (n, n)).into_owned()
     }
 
     /// Computes the modes of the symmetric part of a stiffness matrix.
-    pub fn modes(&self, stiffness: &DMatrix<f64>) -> Result<Modes, NotSolved> {
+    pub fn modes(&self, stiffness: &DMatrix<f64>) -> Result<Modes, LoadedStateError> {
         let a = self.matrix(stiffness);
         let a = 0.5 * (&a + a.transpose());
         let n = a.nrows();
@@ -186,7 +187,7 @@ impl Space {
         }
         let whole = Mat::from_fn(n, n, |i, j| a[(i, j)]);
         let found = symmetric_eigen(whole.as_ref());
-        let (squares, vectors) = found.map_err(|_| NotSolved::Matrices(NOT_FINITE))?;
+        let (squares, vectors) = found.map_err(|_| LoadedStateError::Matrices(NOT_FINITE))?;
         let vectors = DMatrix::from_fn(n, n, |i, j| vectors[(i, j)]);
         let values = DMatrix::from_diagonal(&DVector::from_column_slice(&squares));
         let left = &a * &vectors - &vectors * values;
@@ -195,7 +196,7 @@ impl Space {
         let residual = if size > 0.0 { worst / size } else { 0.0 };
         // A number that is none is no small residual either.
         if residual.is_nan() || residual > RESIDUAL {
-            return Err(NotSolved::Matrices("its modes could not be found"));
+            return Err(LoadedStateError::Matrices("its modes could not be found"));
         }
         Ok(Modes {
             squares,
@@ -219,9 +220,9 @@ mod tests {
         let k = 12.0;
         let spring = DVector::from_column_slice(&[0.0, -1.0, 1.0]);
         let stiffness = k * &spring * spring.transpose();
-        let mut space = Space::new(&mass).unwrap();
-        space.hold(&[vec![1.0, -1.0, 0.0], vec![2.0, -2.0, 0.0]]);
-        assert_eq!((space.held(), space.motions()), (1, 2));
+        let mut space = AdmissibleMotions::new(&mass).unwrap();
+        space.constrain(&[vec![1.0, -1.0, 0.0], vec![2.0, -2.0, 0.0]]);
+        assert_eq!((space.constraints(), space.motions()), (1, 2));
         let modes = space.modes(&stiffness).unwrap();
         let exact = k * (1.0 / 3.0 + 1.0 / 3.0);
         assert!(modes.squares[0].abs() < 1e-12 && (modes.squares[1] / exact - 1.0).abs() < 1e-14);
@@ -231,7 +232,7 @@ mod tests {
             "{x:?}"
         );
         let rigid = space.whole(&modes.vectors.column(0).into_owned());
-        space.hold_along(rigid);
+        space.constrain_along(rigid);
         let modes = space.modes(&stiffness).unwrap();
         assert!(modes.squares.len() == 1 && (modes.squares[0] / exact - 1.0).abs() < 1e-14);
     }

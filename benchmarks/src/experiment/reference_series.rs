@@ -27,7 +27,7 @@ pub fn recorded(r: &Reference, scene: &SceneSpec) -> ReferenceSeries {
             });
             all.len() - 1
         });
-        put(&mut all[index], channel, scene);
+        add_channel(&mut all[index], channel, scene);
     }
     let mut all = all.into_iter();
     ReferenceSeries {
@@ -45,7 +45,7 @@ pub fn recorded(r: &Reference, scene: &SceneSpec) -> ReferenceSeries {
 }
 
 /// Adds a history to the series with the same times.
-fn put(series: &mut TimeSeries, channel: &data::Channel, scene: &SceneSpec) {
+fn add_channel(series: &mut TimeSeries, channel: &data::Channel, scene: &SceneSpec) {
     let values = channel.value.clone();
     let name = match channel.quantity {
         Quantity::Force(0) => {

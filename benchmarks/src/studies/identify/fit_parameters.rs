@@ -10,7 +10,7 @@ const SCATTER: f64 = 2.0;
 
 /// The parameters of a fit.
 #[derive(Clone, Debug, Default)]
-pub struct Chosen {
+pub struct FitParameters {
     /// Parameters of the fit, those with a fixed value included.
     pub parameters: Vec<Parameter>,
     /// Coordinates of the parameters.
@@ -23,7 +23,7 @@ pub struct Chosen {
     pub starts: Vec<Vec<f64>>,
 }
 
-impl Chosen {
+impl FitParameters {
     /// Returns true for parameters that refine an existing model: variations of a stiffness along the path.
     pub fn courses(&self) -> Vec<bool> {
         let is_course =

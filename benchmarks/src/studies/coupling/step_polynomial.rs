@@ -5,14 +5,14 @@ use gearbench_reports::coupling::{Extrapolation, Motion};
 
 /// Polynomial `c0 + c1 s + c2 s^2 + c3 s^3` of `s = t - from`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Course {
+pub struct StepPolynomial {
     /// Time at which `s` is zero [s].
     pub from: f64,
     /// Coefficients of the cubic in `s`, constant term first.
     pub c: [f64; 4],
 }
 
-impl Course {
+impl StepPolynomial {
     /// Returns the value of the polynomial at time `t` [s].
     pub fn value(&self, t: f64) -> f64 {
         let [a, b, c, d] = self.c;
@@ -27,7 +27,7 @@ impl Course {
 
     /// Returns the polynomial through the last values `(t, value)`, the newest last; its degree is that of the
     /// extrapolation, or less with fewer values.
-    pub fn through(past: &[(f64, f64)], extrapolation: Extrapolation) -> Course {
+    pub fn through(past: &[(f64, f64)], extrapolation: Extrapolation) -> StepPolynomial {
         let terms = match extrapolation {
             Extrapolation::Constant => 1,
             Extrapolation::Linear => 2,
@@ -45,11 +45,11 @@ impl Course {
                 (c.0, [c.1, slope(b, c) + (c.0 - b.0) * second, second, 0.0])
             }
         };
-        Course { from, c }
+        StepPolynomial { from, c }
     }
 
     /// Returns the polynomial from one `[place, speed]` to another over a time `h` [s].
-    pub fn between(from: f64, h: f64, [a, b]: [[f64; 2]; 2], motion: Motion) -> Course {
+    pub fn between(from: f64, h: f64, [a, b]: [[f64; 2]; 2], motion: Motion) -> StepPolynomial {
         let mean = (b[0] - a[0]) / h;
         let c = match motion {
             Motion::Linear => [a[0], mean, 0.0, 0.0],
@@ -60,7 +60,7 @@ impl Course {
                 (a[1] + b[1] - 2.0 * mean) / (h * h),
             ],
         };
-        Course { from, c }
+        StepPolynomial { from, c }
     }
 }
 
@@ -72,9 +72,9 @@ mod tests {
     fn polynomials_are_met_exactly_at_uneven_times() {
         let f = |t: f64| 2.0 - 3.0 * t + 0.5 * t * t;
         let past: Vec<(f64, f64)> = [0.0, 0.4, 1.0, 1.3].map(|t| (t, f(t))).to_vec();
-        let course = Course::through(&past, Extrapolation::Quadratic);
-        let line = Course::through(&past, Extrapolation::Linear);
-        let held = Course::through(&past, Extrapolation::Constant);
+        let course = StepPolynomial::through(&past, Extrapolation::Quadratic);
+        let line = StepPolynomial::through(&past, Extrapolation::Linear);
+        let held = StepPolynomial::through(&past, Extrapolation::Constant);
         for t in [1.3, 1.7, 2.5] {
             assert!((course.value(t) - f(t)).abs() < 1e-13);
             let secant = f(1.3) + (t - 1.3) * (f(1.3) - f(1.0)) / 0.3;
@@ -83,21 +83,24 @@ mod tests {
         }
         // Fewer values than asked for: those that there are.
         assert_eq!(
-            Course::through(&past[..1], Extrapolation::Quadratic).c,
+            StepPolynomial::through(&past[..1], Extrapolation::Quadratic).c,
             [2.0, 0.0, 0.0, 0.0]
         );
-        assert_eq!(Course::through(&[], Extrapolation::Linear).value(1.0), 0.0);
+        assert_eq!(
+            StepPolynomial::through(&[], Extrapolation::Linear).value(1.0),
+            0.0
+        );
     }
 
     #[test]
     fn motions_end_where_they_should() {
         let (from, h, ends) = (0.2, 0.3, [[1.0, -2.0], [1.5, 4.0]]);
         for motion in Motion::ALL {
-            let course = Course::between(from, h, ends, motion);
+            let course = StepPolynomial::between(from, h, ends, motion);
             assert!((course.value(from) - 1.0).abs() < 1e-14);
             assert!((course.value(from + h) - 1.5).abs() < 1e-14);
         }
-        let cubic = Course::between(from, h, ends, Motion::Cubic);
+        let cubic = StepPolynomial::between(from, h, ends, Motion::Cubic);
         let d = 1e-5;
         let speed = |t: f64| (cubic.value(t + d) - cubic.value(t - d)) / (2.0 * d);
         assert!((speed(from) + 2.0).abs() < 1e-7 && (speed(from + h) - 4.0).abs() < 1e-7);

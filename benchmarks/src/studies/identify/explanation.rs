@@ -1,8 +1,8 @@
 //! Explanations, in words, of the parameter combinations that the data do not determine.
 
-use super::chosen::Chosen;
 use super::estimate::Estimate;
-use super::estimate::identifiable::Weak;
+use super::estimate::identifiability::UndeterminedCombination;
+use super::fit_parameters::FitParameters;
 use super::parameters::Parameter;
 use super::plan::{Data, DataSet};
 use crate::scene_file::calibration::{CURVATURE, DAMPING, GAP, SLOPE, STIFFNESS};
@@ -12,8 +12,8 @@ const TOOTH_STIFFNESS: &str = "tooth_stiffness_n_per_m";
 const TOOTH_MASS: &str = "tooth_mass_kg";
 
 /// Returns one sentence per combination that is not determined, without its full stop.
-pub fn undetermined(estimate: &Estimate, chosen: &Chosen, data: &[DataSet]) -> Vec<String> {
-    let told = |w: &Weak| {
+pub fn undetermined(estimate: &Estimate, chosen: &FitParameters, data: &[DataSet]) -> Vec<String> {
+    let told = |w: &UndeterminedCombination| {
         let members: Vec<&Parameter> = (w.members().into_iter())
             .map(|j| &chosen.parameters[j])
             .collect();

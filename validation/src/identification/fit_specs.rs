@@ -3,7 +3,7 @@
 use gearbench::scene_file::SceneFile;
 
 /// A fit: model, free constants and constants at fixed values.
-pub struct Wanted {
+pub struct FitSpec {
     /// Name of the fit in tables.
     pub name: &'static str,
     /// Id of the model.
@@ -23,7 +23,7 @@ const SLOPE: &str = "path_slope";
 const GAP: &str = "gap_m";
 
 /// The fits of a scene. Where the data do not determine the damping of a contact, it keeps its initial value.
-pub const WANTED: &[Wanted] = &[
+pub const WANTED: &[FitSpec] = &[
     of("rigid", "rigid", None),
     of("rigid, along the path", "rigid", Some(&[K, SLOPE, GAP])),
     of("movable teeth", TEETH, None),
@@ -47,7 +47,7 @@ pub const WANTED: &[Wanted] = &[
         TEETH,
         Some(&[K, TOOTH, MASS, SLOPE, CONTACT_DAMPER, GAP]),
     ),
-    Wanted {
+    FitSpec {
         held: &[(CONTACT_DAMPER, 50.0)],
         ..of(
             "movable teeth, along the path, contact damped by 50 N s/m",
@@ -63,8 +63,8 @@ const fn of(
     name: &'static str,
     model: &'static str,
     keys: Option<&'static [&'static str]>,
-) -> Wanted {
-    Wanted {
+) -> FitSpec {
+    FitSpec {
         name,
         model,
         keys,

@@ -37,7 +37,7 @@ pub(super) fn predicted(scene: &mut Scene, s: &State, x: &[f64], df: &mut [f64])
 }
 
 /// True if the forces at the end of a half-step impulse differ from those at the velocities that it predicts.
-pub(super) fn knows_ends(scene: &mut Scene, s: &State, v: &[f64]) -> bool {
+pub(super) fn acts_at_ends(scene: &mut Scene, s: &State, v: &[f64]) -> bool {
     let x: Vec<f64> = v.iter().map(|v| SMALL * v).collect();
     let moved: Vec<f64> = s.v.iter().zip(&x).map(|(v, x)| v + x).collect();
     let [mut plain, mut asked] = [vec![0.0; x.len()], vec![0.0; x.len()]];
@@ -67,7 +67,7 @@ pub(super) fn known_at_ends(
     d: &DMatrix<f64>,
 ) -> Option<DMatrix<f64>> {
     let v = speeds(scene);
-    if !knows_ends(scene, s, &v) {
+    if !acts_at_ends(scene, s, &v) {
         return None;
     }
     let n = v.len();

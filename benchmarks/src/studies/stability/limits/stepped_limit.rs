@@ -20,7 +20,7 @@
 
 use super::linear::{Dense, Linear};
 use super::linearised::Linearised;
-use super::system::{Damping, Kicked, Vibrations};
+use super::system::{CoupledOscillators, Damping, Vibrations};
 use super::{LimitError, first_unstable};
 use gearbench_integrators::linear_stability::{Impulses, Stability};
 use gearbench_integrators::{
@@ -48,26 +48,26 @@ const TO: f64 = 1e3;
 /// The largest stable step [s] of a method at the scene's closed state, by stepping its linear system; `damped: false`
 /// leaves its dampers out. `None` where no step up to a thousand times the fastest mode's is unstable, for methods
 /// without a fixed step, and for systems that are too large to be stepped this way.
-pub fn found(
+pub fn step_limit(
     linearised: &mut Linearised,
     method: MethodSpec,
     damped: bool,
 ) -> Result<Option<f64>, LimitError> {
     let integrator = method.build();
-    let mut trial = Trial { integrator };
+    let mut trial = SteppedMethod { integrator };
     match method.stability() {
         Stability::Controlled => Ok(None),
-        Stability::Impulses(impulses) => trial.kicked(linearised, impulses),
+        Stability::Impulses(impulses) => trial.trigonometric_limit(linearised, impulses),
         _ => match linearised.linear()? {
             Linear::Dense(dense) if damped => trial.vibrations(&dense),
             Linear::Dense(dense) => trial.vibrations(&dense.undamped()),
-            Linear::Top(_) => Ok(None),
+            Linear::FastestMode(_) => Ok(None),
         },
     }
 }
 
 /// Integrator whose stability limit is searched.
-struct Trial {
+struct SteppedMethod {
     integrator: Box<dyn Integrator>,
 }
 
@@ -123,7 +123,7 @@ fn search(
     first_unstable([FROM / omega, TO / omega], unstable)
 }
 
-impl Trial {
+impl SteppedMethod {
     fn vibrations(&mut self, dense: &Dense) -> Result<Option<f64>, LimitError> {
         if dense.at_ends.is_none()
             && let Some(modes) = dense.modes()
@@ -144,7 +144,7 @@ impl Trial {
     }
 
     /// The trigonometric method, whose rest depends on the step; without damping.
-    fn kicked(
+    fn trigonometric_limit(
         &mut self,
         linearised: &mut Linearised,
         impulses: Impulses,
@@ -159,7 +159,7 @@ impl Trial {
             return Ok(None);
         }
         let square: Vec<f64> = omega.iter().map(|w| w * w).collect();
-        let mut sys = Kicked {
+        let mut sys = CoupledOscillators {
             omega: omega.clone(),
             rest,
         };

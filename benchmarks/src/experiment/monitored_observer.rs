@@ -5,12 +5,12 @@ use gearbench_integrators::{AcceptedStep, Control, SecondOrderSystem, Sink, Stat
 use std::time::{Duration, Instant};
 
 /// The monitor of a run together with a further observer.
-pub struct Watched<'w> {
+pub struct MonitoredObserver<'w> {
     pub monitor: &'w mut RunMonitor,
     pub observer: &'w mut dyn Sink,
 }
 
-impl Sink for Watched<'_> {
+impl Sink for MonitoredObserver<'_> {
     fn accepted(&mut self, sys: &mut dyn SecondOrderSystem, step: &AcceptedStep<'_>) -> Control {
         let control = self.monitor.accepted(sys, step);
         let begin = Instant::now();

@@ -8,7 +8,7 @@ use super::error::SceneError;
 use super::reading::{Document, Place};
 
 /// Typical range of a quantity with its unit, and units in which it is often given by mistake with their factors.
-pub(super) struct Usual {
+pub(super) struct TypicalRange {
     unit: &'static str,
     range: [f64; 2],
     slips: &'static [(f64, &'static str)],
@@ -21,7 +21,7 @@ const MODULES: [f64; 2] = [5e-5, 0.1];
 
 /// Unit in which the bounds of a length are given.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Measure {
+enum LengthUnit {
     /// Absolute bounds in metres [m].
     Metre,
     /// Modules of the gear; outside of gears those of the largest one.
@@ -32,47 +32,47 @@ enum Measure {
 
 /// Last key of a path, bounds of the magnitude, and their unit; the first matching row applies.
 #[rustfmt::skip]
-const LENGTHS: &[(&str, [f64; 2], Measure)] = &[
-    ("module_m", MODULES, Measure::Metre),
-    ("face_width_m", [1e-4, 3.0], Measure::Metre),
-    ("bore_radius_m", [0.0, 1.5], Measure::Radius),
-    ("tip_circle_radius_m", [0.5, 2.0], Measure::Radius),
-    ("root_circle_radius_m", [0.5, 2.0], Measure::Radius),
-    ("rim_radius_m", [0.5, 10.0], Measure::Radius),
-    ("start_radius_m", [0.3, 2.0], Measure::Radius),
-    ("radii_m", [0.3, 2.0], Measure::Radius),
-    ("heights_m", [0.0, 3.0], Measure::Metre),
-    ("body_height_m", [0.05, 100.0], Measure::Module),
-    ("thinning_m", [0.0, 0.5], Measure::Module),
-    ("amount_m", [0.0, 0.2], Measure::Module),
-    ("profile_crowning_m", [0.0, 0.2], Measure::Module),
-    ("lead_crowning_m", [0.0, 0.2], Measure::Module),
-    ("helix_slope_m", [0.0, 0.2], Measure::Module),
-    ("helix_slope_m.left", [0.0, 0.2], Measure::Module),
-    ("helix_slope_m.right", [0.0, 0.2], Measure::Module),
-    ("twist_m", [0.0, 0.2], Measure::Module),
-    ("twist_m.left", [0.0, 0.2], Measure::Module),
-    ("twist_m.right", [0.0, 0.2], Measure::Module),
-    ("runout_m", [0.0, 1.0], Measure::Module),
-    ("cumulative_pitch_m", [0.0, 0.2], Measure::Module),
-    ("profile_slope_m", [0.0, 0.2], Measure::Module),
-    ("profile_form_m", [0.0, 0.2], Measure::Module),
-    ("low.length_m", [0.0, 3.0], Measure::Metre),
-    ("high.length_m", [0.0, 3.0], Measure::Metre),
-    ("centre_distance_m", [1e-3, 10.0], Measure::Radius),
-    ("backlash_m", [0.0, 0.5], Measure::Module),
-    ("gap_m", [0.0, 0.5], Measure::Module),
-    ("reach_m", [0.0, 0.5], Measure::Module),
-    ("clearance_m", [0.0, 0.5], Measure::Module),
-    ("path_coordinate_m", [0.0, 5.0], Measure::Radius),
-    ("position_m", [0.0, 300.0], Measure::Radius),
-    ("centre_of_mass_m", [0.0, 10.0], Measure::Radius),
-    ("at_m", [0.0, 300.0], Measure::Radius),
-    ("length_m", [0.0, 300.0], Measure::Radius),
-    ("diameter_m", [1e-2, 10.0], Measure::Radius),
-    ("inner_diameter_m", [0.0, 10.0], Measure::Radius),
-    ("stick_m", [0.0, 1e-2], Measure::Metre),
-    ("roughness_m", [0.0, 1e-4], Measure::Metre),
+const LENGTHS: &[(&str, [f64; 2], LengthUnit)] = &[
+    ("module_m", MODULES, LengthUnit::Metre),
+    ("face_width_m", [1e-4, 3.0], LengthUnit::Metre),
+    ("bore_radius_m", [0.0, 1.5], LengthUnit::Radius),
+    ("tip_circle_radius_m", [0.5, 2.0], LengthUnit::Radius),
+    ("root_circle_radius_m", [0.5, 2.0], LengthUnit::Radius),
+    ("rim_radius_m", [0.5, 10.0], LengthUnit::Radius),
+    ("start_radius_m", [0.3, 2.0], LengthUnit::Radius),
+    ("radii_m", [0.3, 2.0], LengthUnit::Radius),
+    ("heights_m", [0.0, 3.0], LengthUnit::Metre),
+    ("body_height_m", [0.05, 100.0], LengthUnit::Module),
+    ("thinning_m", [0.0, 0.5], LengthUnit::Module),
+    ("amount_m", [0.0, 0.2], LengthUnit::Module),
+    ("profile_crowning_m", [0.0, 0.2], LengthUnit::Module),
+    ("lead_crowning_m", [0.0, 0.2], LengthUnit::Module),
+    ("helix_slope_m", [0.0, 0.2], LengthUnit::Module),
+    ("helix_slope_m.left", [0.0, 0.2], LengthUnit::Module),
+    ("helix_slope_m.right", [0.0, 0.2], LengthUnit::Module),
+    ("twist_m", [0.0, 0.2], LengthUnit::Module),
+    ("twist_m.left", [0.0, 0.2], LengthUnit::Module),
+    ("twist_m.right", [0.0, 0.2], LengthUnit::Module),
+    ("runout_m", [0.0, 1.0], LengthUnit::Module),
+    ("cumulative_pitch_m", [0.0, 0.2], LengthUnit::Module),
+    ("profile_slope_m", [0.0, 0.2], LengthUnit::Module),
+    ("profile_form_m", [0.0, 0.2], LengthUnit::Module),
+    ("low.length_m", [0.0, 3.0], LengthUnit::Metre),
+    ("high.length_m", [0.0, 3.0], LengthUnit::Metre),
+    ("centre_distance_m", [1e-3, 10.0], LengthUnit::Radius),
+    ("backlash_m", [0.0, 0.5], LengthUnit::Module),
+    ("gap_m", [0.0, 0.5], LengthUnit::Module),
+    ("reach_m", [0.0, 0.5], LengthUnit::Module),
+    ("clearance_m", [0.0, 0.5], LengthUnit::Module),
+    ("path_coordinate_m", [0.0, 5.0], LengthUnit::Radius),
+    ("position_m", [0.0, 300.0], LengthUnit::Radius),
+    ("centre_of_mass_m", [0.0, 10.0], LengthUnit::Radius),
+    ("at_m", [0.0, 300.0], LengthUnit::Radius),
+    ("length_m", [0.0, 300.0], LengthUnit::Radius),
+    ("diameter_m", [1e-2, 10.0], LengthUnit::Radius),
+    ("inner_diameter_m", [0.0, 10.0], LengthUnit::Radius),
+    ("stick_m", [0.0, 1e-2], LengthUnit::Metre),
+    ("roughness_m", [0.0, 1e-4], LengthUnit::Metre),
 ];
 
 /// Length keys without a typical range.
@@ -124,18 +124,18 @@ pub(super) fn lengths(document: &Document) -> Vec<SceneError> {
             continue;
         };
         let scale = match measure {
-            Measure::Metre => Some(1.0),
-            Measure::Module => own_or_largest(path, &module_of),
-            Measure::Radius => own_or_largest(path, &radius_of),
+            LengthUnit::Metre => Some(1.0),
+            LengthUnit::Module => own_or_largest(path, &module_of),
+            LengthUnit::Radius => own_or_largest(path, &radius_of),
         };
         let Some(scale) = scale else { continue };
-        let usual = Usual {
+        let usual = TypicalRange {
             unit: "m",
             range: range.map(|x| x * scale),
             slips: OTHER_LENGTHS,
         };
         let key = end.split('.').find(|k| k.ends_with("_m")).unwrap_or(end);
-        odd.extend(usual.odd(&document.at(path), key, value));
+        odd.extend(usual.warning(&document.at(path), key, value));
     }
     odd
 }
@@ -155,67 +155,67 @@ fn without_places(path: &str) -> String {
     plain
 }
 
-pub(super) const YOUNG: Usual = Usual {
+pub(super) const YOUNG: TypicalRange = TypicalRange {
     unit: "Pa",
     range: [1e7, 1.3e12],
     slips: &[(1e9, "GPa"), (1e6, "MPa")],
 };
-pub(super) const DENSITY: Usual = Usual {
+pub(super) const DENSITY: TypicalRange = TypicalRange {
     unit: "kg/m^3",
     range: [100.0, 25e3],
     slips: &[(1e3, "g/cm^3"), (1e12, "t/mm^3")],
 };
-pub(super) const FRICTION: Usual = Usual {
+pub(super) const FRICTION: TypicalRange = TypicalRange {
     unit: "",
     range: [0.0, 1.5],
     slips: &[(0.01, "per cent")],
 };
-pub(super) const DAMPING_RATIO: Usual = Usual {
+pub(super) const DAMPING_RATIO: TypicalRange = TypicalRange {
     unit: "",
     range: [0.0, 1.0],
     slips: &[(0.01, "per cent")],
 };
-pub(super) const STIFFNESS: Usual = Usual {
+pub(super) const STIFFNESS: TypicalRange = TypicalRange {
     unit: "N/m^2",
     range: [1e7, 1e13],
     slips: &[(1e9, "N/(mm um)")],
 };
-pub(super) const PENALTY: Usual = Usual {
+pub(super) const PENALTY: TypicalRange = TypicalRange {
     unit: "Pa/m",
     range: [1e10, 1e20],
     slips: &[(1e9, "MPa/mm")],
 };
 /// Greatest relative error that a scene accepts.
-pub(super) const TOLERANCE: Usual = Usual {
+pub(super) const TOLERANCE: TypicalRange = TypicalRange {
     unit: "",
     range: [0.0, 1.0],
     slips: &[(0.01, "per cent")],
 };
-pub(super) const DURATION: Usual = Usual {
+pub(super) const DURATION: TypicalRange = TypicalRange {
     unit: "s",
     range: [1e-8, 1e4],
     slips: &[(1e-3, "milliseconds"), (1e-6, "microseconds")],
 };
-pub(super) const PRESSURE_ANGLE: Usual = Usual {
+pub(super) const PRESSURE_ANGLE: TypicalRange = TypicalRange {
     unit: "degrees",
     range: [10.0, 35.0],
     slips: &[(180.0 / std::f64::consts::PI, "radians")],
 };
-pub(super) const HELIX_ANGLE: Usual = Usual {
+pub(super) const HELIX_ANGLE: TypicalRange = TypicalRange {
     unit: "degrees",
     range: [1.0, 60.0],
     slips: &[(180.0 / std::f64::consts::PI, "radians")],
 };
 /// Inertia relative to that of the toothing.
-pub(super) const INERTIA: Usual = Usual {
+pub(super) const INERTIA: TypicalRange = TypicalRange {
     unit: "times that of the toothing",
     range: [1e-2, 1e5],
     slips: &[],
 };
 
-impl Usual {
+impl TypicalRange {
     /// Returns a warning on an unusual value, with the value in the unit that is probably meant.
-    pub(super) fn odd(&self, place: &Place<'_>, key: &str, value: f64) -> Option<SceneError> {
+    pub(super) fn warning(&self, place: &Place<'_>, key: &str, value: f64) -> Option<SceneError> {
         let [least, most] = self.range;
         if (least..=most).contains(&value.abs()) {
             return None;

@@ -15,9 +15,9 @@
 use super::error::SceneError;
 use super::motion;
 use super::reading::Place;
-use super::usual::{
+use super::typical_ranges::{
     DAMPING_RATIO, DENSITY, DURATION, FRICTION, HELIX_ANGLE, INERTIA, PENALTY, PRESSURE_ANGLE,
-    STIFFNESS, TOLERANCE, Usual, YOUNG,
+    STIFFNESS, TOLERANCE, TypicalRange, YOUNG,
 };
 use super::{ModelChoice, SceneFile};
 use gearbench_integrators::{Resolution, Scheme};
@@ -51,7 +51,7 @@ pub(super) fn pressure_angle(angle: f64, gear: &Place<'_>) -> Result<(), SceneEr
         return Ok(());
     }
     let place = gear.key("pressure_angle_deg");
-    let help = match PRESSURE_ANGLE.odd(&place, "pressure_angle_deg", degrees) {
+    let help = match PRESSURE_ANGLE.warning(&place, "pressure_angle_deg", degrees) {
         Some(odd) => odd.help_text().unwrap_or_default().to_owned(),
         None => String::new(),
     };
@@ -72,7 +72,7 @@ pub(super) fn pressure_angle(angle: f64, gear: &Place<'_>) -> Result<(), SceneEr
 pub(super) fn check(scene: &SceneFile) -> Result<Vec<SceneError>, SceneError> {
     let root = scene.document.at("");
     let mut odd = Vec::new();
-    odd.extend(DURATION.odd(&root.key("duration_s"), "duration_s", scene.duration));
+    odd.extend(DURATION.warning(&root.key("duration_s"), "duration_s", scene.duration));
     odd.extend(tolerance(scene, &root.key("tolerance")));
     for gear in &scene.spec.gears {
         let at = root.key("gears").key(&gear.name);
@@ -131,7 +131,7 @@ fn tolerance(scene: &SceneFile, at: &Place<'_>) -> Option<SceneError> {
         true => (at.key("limit"), "limit"),
         false => (at.clone(), "tolerance"),
     };
-    let odd = TOLERANCE.odd(&place, key, of.limit)?;
+    let odd = TOLERANCE.warning(&place, key, of.limit)?;
     let message = format!(
         "`{key}` = {} permits an error of {} %",
         short(of.limit, 4),
@@ -227,10 +227,10 @@ fn toothing(gear: &GearSpec, at: &Place<'_>, odd: &mut Vec<SceneError>) {
         Body::Gear(g) => (g.params().pressure_angle, g.params().helix_angle),
         Body::Rack(r) => (r.params().pressure_angle, r.params().helix_angle),
     };
-    let mut look = |usual: &Usual, key: &str, value: f64| {
+    let mut look = |usual: &TypicalRange, key: &str, value: f64| {
         odd.extend(
             at.has(key)
-                .then(|| usual.odd(&at.key(key), key, value))
+                .then(|| usual.warning(&at.key(key), key, value))
                 .flatten(),
         );
     };
@@ -248,8 +248,8 @@ fn toothing(gear: &GearSpec, at: &Place<'_>, odd: &mut Vec<SceneError>) {
 }
 
 fn material(material: &Material, at: &Place<'_>, odd: &mut Vec<SceneError>) {
-    odd.extend(YOUNG.odd(&at.key("young_pa"), "young_pa", material.young));
-    odd.extend(DENSITY.odd(&at.key("density_kg_m3"), "density_kg_m3", material.density));
+    odd.extend(YOUNG.warning(&at.key("young_pa"), "young_pa", material.young));
+    odd.extend(DENSITY.warning(&at.key("density_kg_m3"), "density_kg_m3", material.density));
 }
 
 /// Compares the surface speed with the speed of sound.
@@ -376,7 +376,7 @@ fn overlap(scene: &SceneFile) -> Result<(), SceneError> {
 /// Compares fixed steps with the simulated time.
 fn steps(schemes: &[Scheme], scene: &SceneFile, at: &Place<'_>) -> Result<(), SceneError> {
     for (i, scheme) in schemes.iter().enumerate() {
-        if let Some(why) = too_long(scheme, scene.duration) {
+        if let Some(why) = step_too_long(scheme, scene.duration) {
             let place = at.member(i);
             let help = "give a smaller step; contact usually needs microseconds or less";
             return place.first(&["step_s"]).refuse(why, "too long", help);
@@ -386,7 +386,7 @@ fn steps(schemes: &[Scheme], scene: &SceneFile, at: &Place<'_>) -> Result<(), Sc
 }
 
 /// The message on a step that is longer than the simulated time [s], if it is.
-pub(super) fn too_long(scheme: &Scheme, duration: f64) -> Option<String> {
+pub(super) fn step_too_long(scheme: &Scheme, duration: f64) -> Option<String> {
     match scheme.resolution {
         Resolution::Step(h) if h > duration => Some(format!(
             "a step of {h:e} s of `{}` is longer than the {duration:e} s that are simulated",
@@ -410,11 +410,11 @@ fn contacts(model: &ModelChoice, at: &Place<'_>, odd: &mut Vec<SceneError>) {
 }
 
 fn contact_of(contact: &ContactSpec, at: &Place<'_>) -> Vec<SceneError> {
-    let look = |usual: &Usual, keys: [&str; 2], value: f64| {
+    let look = |usual: &TypicalRange, keys: [&str; 2], value: f64| {
         let place = at.key(keys[0]).key(keys[1]);
         place
             .exists()
-            .then(|| usual.odd(&place, keys[1], value))
+            .then(|| usual.warning(&place, keys[1], value))
             .flatten()
     };
     let friction = contact
@@ -434,7 +434,7 @@ fn contact_of(contact: &ContactSpec, at: &Place<'_>) -> Vec<SceneError> {
     };
     let key = "penalty_pa_per_m";
     let penalty = (contact.points.filter(|_| at.has(key)))
-        .and_then(|p| PENALTY.odd(&at.key(key), key, p.penalty));
+        .and_then(|p| PENALTY.warning(&at.key(key), key, p.penalty));
     [friction.flatten(), damping, stiffness, penalty]
         .into_iter()
         .flatten()

@@ -3,7 +3,7 @@
 use super::detail::Detail;
 use super::refinement::Refinement;
 use super::requirement::Requirement;
-use super::run::{Choice, LevelTried};
+use super::run::{Choice, LevelResult};
 use super::selection::SAME_COST;
 use gearbench_reports::numbers::{percent, short};
 use gearbench_reports::{Adequacy, Verdict};
@@ -78,8 +78,8 @@ pub fn reason(choice: &Choice, requirement: &Requirement, refinement: &Refinemen
         });
         return said;
     };
-    let simpler = |r: &&LevelTried| r.level != candidate.level && r.adequate != Adequacy::Adequate;
-    let told = |r: &LevelTried| match (&r.failure, r.adequate) {
+    let simpler = |r: &&LevelResult| r.level != candidate.level && r.adequate != Adequacy::Adequate;
+    let told = |r: &LevelResult| match (&r.failure, r.adequate) {
         (Some(f), _) => format!("{} ({f})", r.level.name()),
         (None, Adequacy::NotDecided) => {
             format!("{} ({}, not decided)", r.level.name(), per_cent(r.error))

@@ -19,7 +19,7 @@ fn triple(x: [f64; 3]) -> String {
 }
 
 /// The recognised geometry of a body as JSON.
-pub(super) fn found_of(found: &RecognisedBody) -> Value {
+pub(super) fn to_json(found: &RecognisedBody) -> Value {
     let vector = |x: &gearbench_models::Vec3| [x.x, x.y, x.z];
     match found {
         RecognisedBody::Gear(f) => json!({
@@ -48,7 +48,7 @@ pub(super) fn found_of(found: &RecognisedBody) -> Value {
 }
 
 /// The recognised geometry of a body as text.
-pub(super) fn of_found(found: &RecognisedBody) -> String {
+pub(super) fn to_text(found: &RecognisedBody) -> String {
     match found {
         RecognisedBody::Gear(gear) => of_found_gear(gear),
         RecognisedBody::Rack(rack) => of_found_rack(rack),

@@ -16,16 +16,16 @@ const LONG: [&str; 4] = ["series", "further", "histories", "contacts"];
 
 /// The result of a command: exit code and the keys of its JSON object.
 #[derive(Clone, Debug)]
-pub struct Answer {
+pub struct CommandResult {
     /// How the command ended.
     pub exit: Exit,
     found: Map<String, Value>,
 }
 
-impl Answer {
+impl CommandResult {
     /// A successful result without keys of its own.
     pub fn done() -> Self {
-        Answer {
+        CommandResult {
             exit: Exit::Done,
             found: Map::new(),
         }
@@ -35,13 +35,13 @@ impl Answer {
     pub fn of(results: &Results) -> Self {
         let mut whole = value(results);
         without_histories(&mut whole);
-        Answer::done().with("results", whole)
+        CommandResult::done().with("results", whole)
     }
 
     /// Replaces the exit code.
     #[must_use]
     pub fn ending(self, exit: Exit) -> Self {
-        Answer { exit, ..self }
+        CommandResult { exit, ..self }
     }
 
     /// Adds a key to the JSON object; a number that is not finite becomes `null`.
@@ -140,7 +140,9 @@ mod tests {
             }],
             ..Results::default()
         };
-        let text = Answer::of(&results).json("compare", Vec::new()).to_string();
+        let text = CommandResult::of(&results)
+            .json("compare", Vec::new())
+            .to_string();
         assert!(text.len() < 3000, "{} characters: {text}", text.len());
         assert!(text.contains("\"steps\":7") && text.contains("\"id\":\"fe\""));
         for key in LONG {

@@ -16,7 +16,7 @@ const SAME: f64 = 1e-4;
 
 /// A reference with its data.
 #[derive(Clone, Debug)]
-pub struct Held {
+pub struct LoadedReference {
     /// The entry of the scene.
     pub named: NamedReference,
     /// The histories of the reference.
@@ -33,23 +33,30 @@ impl SceneFile {
     ///
     /// # Errors
     /// [`SceneError`] at the line of the scene, or of the file with the data.
-    pub fn held(&mut self, any: bool) -> Result<Vec<Held>, SceneError> {
+    pub fn load_references(&mut self, any: bool) -> Result<Vec<LoadedReference>, SceneError> {
         let named = self.references.clone();
-        named.into_iter().map(|r| self.hold(r, any)).collect()
+        named
+            .into_iter()
+            .map(|r| self.load_reference(r, any))
+            .collect()
     }
 
     /// Reads the references under the conditions of the scene itself, with which its models are compared.
     ///
     /// # Errors
-    /// As [`SceneFile::held`]; references under other conditions are not read.
-    pub fn held_of_the_scene(&mut self, any: bool) -> Result<Vec<Reference>, SceneError> {
+    /// As [`SceneFile::load_references`]; references under other conditions are not read.
+    pub fn load_own_references(&mut self, any: bool) -> Result<Vec<Reference>, SceneError> {
         let own = |r: &&NamedReference| r.is_of_the_scene();
         let named: Vec<_> = self.references.iter().filter(own).cloned().collect();
-        let held = named.into_iter().map(|r| self.hold(r, any));
+        let held = named.into_iter().map(|r| self.load_reference(r, any));
         held.map(|h| h.map(|h| h.data)).collect()
     }
 
-    fn hold(&mut self, named: NamedReference, any: bool) -> Result<Held, SceneError> {
+    fn load_reference(
+        &mut self,
+        named: NamedReference,
+        any: bool,
+    ) -> Result<LoadedReference, SceneError> {
         let scene = self.with(&named.conditions).map_err(|(key, why, help)| {
             let place = self.document.at(&*named.at);
             place.error(format!("`{key}`: {why}"), "not possible", help)
@@ -104,7 +111,7 @@ impl SceneFile {
             }
             self.odd.push(error);
         }
-        Ok(Held { named, data, scene })
+        Ok(LoadedReference { named, data, scene })
     }
 
     /// A warning about contact forces that point the other way: contact forces of runs are magnitudes, so that no model
@@ -236,7 +243,7 @@ impl SceneFile {
     }
 }
 
-impl Held {
+impl LoadedReference {
     /// True if the reference is held out from fits and serves for validation only.
     pub fn is_held_out(&self) -> bool {
         self.named.role == Role::Validate

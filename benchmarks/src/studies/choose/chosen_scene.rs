@@ -32,7 +32,7 @@ pub fn text(
 
 /// The scene with a choice.
 fn written(file: &SceneFile, candidate: &Candidate) -> Result<String, SceneError> {
-    let kept = placed(&kept(file.text())?, file)?;
+    let kept = placed(&scene_without_choice(file.text())?, file)?;
     let (model, study) = (model(file, candidate), study(file, candidate));
     Ok(format!("{}\n\n{model}{study}", kept.trim_end()))
 }
@@ -76,7 +76,7 @@ fn placed(text: &str, file: &SceneFile) -> Result<String, SceneError> {
 }
 
 /// A scene without what a choice replaces, and without the comments right above that.
-fn kept(text: &str) -> Result<String, SceneError> {
+fn scene_without_choice(text: &str) -> Result<String, SceneError> {
     let mut document = parsed(text)?;
     for key in REPLACED {
         document.remove(key);
@@ -304,7 +304,7 @@ mod tests {
                     [[models]]\nmodel = \"rigid\"\ncontact = { table = [\n[1.0, 2.0],\n] }\n[models.parameters]\nx = 1\n\
                     # kept\n[[meshes]]\ngears = [\"a\"]\n[study]\nsamples = 3\n";
         assert_eq!(
-            kept(text)
+            scene_without_choice(text)
                 .unwrap()
                 .split('\n')
                 .filter(|l| !l.is_empty())
@@ -319,7 +319,7 @@ mod tests {
             ]
         );
         let quoted = "description = \"\"\"\n[[models]]\nof words\"\"\"\n[gears.a]";
-        assert_eq!(kept(quoted).unwrap().trim_end(), quoted);
+        assert_eq!(scene_without_choice(quoted).unwrap().trim_end(), quoted);
     }
 
     /// The folder of the choice is another one: tables of references are found from there too.

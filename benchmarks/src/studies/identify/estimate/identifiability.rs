@@ -16,14 +16,14 @@ const PART: f64 = 0.1;
 
 /// A combination of parameters that the data do not determine.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Weak {
+pub struct UndeterminedCombination {
     /// Unit vector over the coordinates.
     pub direction: Vec<f64>,
     /// Half width of the 95 % interval along it in scaled coordinates; infinite where the data do not change along it.
     pub half: f64,
 }
 
-impl Weak {
+impl UndeterminedCombination {
     /// Returns the coordinates that belong to the combination, those with the greatest part first.
     pub fn members(&self) -> Vec<usize> {
         let of = &self.direction;
@@ -43,17 +43,17 @@ fn sizes(minimum: &Minimum, known: &Uncertainty) -> Vec<f64> {
 }
 
 /// Returns the combinations of parameters that are not determined.
-pub fn weak(minimum: &Minimum, known: &Uncertainty) -> Vec<Weak> {
-    let empty = known.empty.iter().map(|direction| Weak {
+pub fn weak(minimum: &Minimum, known: &Uncertainty) -> Vec<UndeterminedCombination> {
+    let empty = known.empty.iter().map(|direction| UndeterminedCombination {
         direction: direction.clone(),
         half: f64::INFINITY,
     });
-    let mut all: Vec<Weak> = empty.collect();
+    let mut all: Vec<UndeterminedCombination> = empty.collect();
     let size = sizes(minimum, known);
     let p = size.len();
     // Residuals that wander without bound leave no interval at all.
     let open = (known.moving.iter()).filter(|&&j| !known.covariance[(j, j)].is_finite());
-    let alone = open.map(|&j| Weak {
+    let alone = open.map(|&j| UndeterminedCombination {
         direction: (0..p).map(|i| f64::from(u8::from(i == j))).collect(),
         half: f64::INFINITY,
     });
@@ -72,7 +72,7 @@ pub fn weak(minimum: &Minimum, known: &Uncertainty) -> Vec<Weak> {
         let half = t * variance.max(0.0).sqrt();
         if half > LN_2 {
             let direction = eigen.eigenvectors.column(i).iter().copied().collect();
-            all.push(Weak { direction, half });
+            all.push(UndeterminedCombination { direction, half });
         }
     }
     all
@@ -80,7 +80,11 @@ pub fn weak(minimum: &Minimum, known: &Uncertainty) -> Vec<Weak> {
 
 /// Returns true for coordinates without a usable value: members of a combination that is not determined, if its
 /// interval is infinite or the coordinate's own interval is as wide.
-pub fn unknown(minimum: &Minimum, known: &Uncertainty, weak: &[Weak]) -> Vec<bool> {
+pub fn unknown(
+    minimum: &Minimum,
+    known: &Uncertainty,
+    weak: &[UndeterminedCombination],
+) -> Vec<bool> {
     let size = sizes(minimum, known);
     (0..known.half.len())
         .map(|j| {

@@ -1,6 +1,6 @@
 //! The key `calibration` of a model: the set of fitted constants that it uses.
 
-use super::calibration::{Calibration, Constants, FittedTo, of_gear};
+use super::calibration::{Calibration, CalibrationKind, Constants, of_gear};
 use super::error::SceneError;
 use super::model::Context;
 use super::reading::keys::keys;
@@ -45,8 +45,8 @@ pub struct CalibrationUse {
 
 impl CalibrationUse {
     /// The kind of data to which the constants were fitted.
-    pub fn fitted_to(&self) -> FittedTo {
-        FittedTo::named(&self.name).unwrap_or_default()
+    pub fn fitted_to(&self) -> CalibrationKind {
+        CalibrationKind::named(&self.name).unwrap_or_default()
     }
 }
 
@@ -91,8 +91,8 @@ pub(super) fn calibration(
                 true => String::new(),
                 false => format!("; the scene has one for {}", suggest::words(&labels)),
             };
-            let way = match FittedTo::named(&name) {
-                None | Some(FittedTo::Impact) => String::new(),
+            let way = match CalibrationKind::named(&name) {
+                None | Some(CalibrationKind::Impact) => String::new(),
                 Some(other) => format!(" --to {}", other.as_str()),
             };
             return at.refuse(

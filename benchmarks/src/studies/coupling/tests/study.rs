@@ -1,13 +1,13 @@
 //! Tests of the study of coupling: labels, refined limits, truncated models, default steps, refusals.
 
-use super::{Built, built, rigid};
+use super::{BuiltModel, built, rigid};
 use crate::experiment::conditions::Conditions;
 use crate::experiment::configuration::Configuration;
 use crate::experiment::runner::Runner;
 use crate::models::models;
 use crate::scene_file::{Origin, SceneFile};
-use crate::studies::coupling::frames::{NoHost, frames};
-use crate::studies::coupling::plan::{Entry, Plan, keeps_residual, truncated, usual_steps};
+use crate::studies::coupling::frames::{HostError, frames};
+use crate::studies::coupling::plan::{Entry, Plan, default_steps, keeps_residual, truncated};
 use crate::studies::coupling::run::{WHOLE, study};
 use crate::studies::coupling::stiffness;
 use crate::studies::test_scene::coarse;
@@ -19,7 +19,7 @@ use gearbench_reports::record::Status;
 
 /// A plan of one model.
 fn plan(file: &SceneFile, method: Scheme, steps: Vec<f64>) -> Plan<'static> {
-    let Built { entry, frames, .. } = built(file);
+    let BuiltModel { entry, frames, .. } = built(file);
     let oscillator = stiffness::oscillator(&entry.scene, &entry.modelling, models(), &frames);
     Plan {
         conditions: Conditions::of(file),
@@ -85,17 +85,17 @@ fn a_twin_by_plain_truncation_has_the_lowest_modes_alone() {
 
 #[test]
 fn usual_steps_double_from_that_of_the_gears() {
-    let steps = usual_steps(&RK4.at_step(1e-6), Some([1e5, 0.0]), 1.0);
+    let steps = default_steps(&RK4.at_step(1e-6), Some([1e5, 0.0]), 1.0);
     assert!(steps.windows(2).all(|h| h[1] == 2.0 * h[0]) && steps[0] == 1e-6);
     assert!((2e-5..8e-5).contains(steps.last().unwrap()));
     // Never longer than a run, and there is always one.
-    let short = usual_steps(&RK4.at_step(1e-3), None, 1e-4);
+    let short = default_steps(&RK4.at_step(1e-3), None, 1e-4);
     assert!(short.iter().all(|h| *h <= 1e-4) && !short.is_empty());
     let adaptive = Scheme {
         method: RK4,
         resolution: Resolution::Tolerance(1e-6),
     };
-    assert!(usual_steps(&adaptive, None, 1e-3).len() > 5);
+    assert!(default_steps(&adaptive, None, 1e-3).len() > 5);
 }
 
 #[test]
@@ -109,7 +109,7 @@ fn scenes_that_a_host_cannot_have_are_refused() {
     let mut scene = Scene::build(&entry.scene, &entry.modelling, models()).expect("a model");
     assert_eq!(
         frames(&entry.scene, &mut scene).unwrap_err(),
-        NoHost::NoneFree
+        HostError::NoneFree
     );
-    assert!(!NoHost::NoneFree.help().is_empty());
+    assert!(!HostError::NoneFree.help().is_empty());
 }

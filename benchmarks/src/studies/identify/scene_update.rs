@@ -29,7 +29,7 @@ fn tag(label: &str) -> String {
 }
 
 /// Model with its fitted constants and the comments about them.
-pub struct Written<'a> {
+pub struct FittedConstants<'a> {
     /// Model whose entry is changed.
     pub choice: &'a ModelChoice,
     /// All constants that the model gets.
@@ -43,7 +43,7 @@ pub struct Written<'a> {
 /// # Errors
 /// [`Refusal`] where the file is not the one that was read, stands in a way that was not seen through, lacks what the data
 /// do not determine, or cannot be written.
-pub fn write_scene(scene: &SceneFile, all: &[Written<'_>]) -> Result<PathBuf, Refusal> {
+pub fn write_scene(scene: &SceneFile, all: &[FittedConstants<'_>]) -> Result<PathBuf, Refusal> {
     let path = match &scene.origin {
         Origin::Shipped => PathBuf::from(format!("benchmarks/scenes/{}.toml", scene.name)),
         Origin::File(path) => path.clone(),
@@ -66,7 +66,7 @@ pub fn write_scene(scene: &SceneFile, all: &[Written<'_>]) -> Result<PathBuf, Re
 }
 
 /// The text of the scene with constants.
-fn written(scene: &SceneFile, all: &[Written<'_>]) -> Result<String, Refusal> {
+fn written(scene: &SceneFile, all: &[FittedConstants<'_>]) -> Result<String, Refusal> {
     let unseen = |label: &str| {
         Refusal::Input(miette::miette!(
             help = "write a calibration with `--write` instead",
@@ -76,7 +76,7 @@ fn written(scene: &SceneFile, all: &[Written<'_>]) -> Result<String, Refusal> {
     let mut document: DocumentMut =
         (scene.text().parse()).map_err(|e: toml_edit::TomlError| Refusal::Files(e.to_string()))?;
     for w in all {
-        put(&mut document, scene, w).ok_or_else(|| unseen(&w.choice.label))?;
+        write_constants(&mut document, scene, w).ok_or_else(|| unseen(&w.choice.label))?;
     }
     let text = document.to_string();
     let read = SceneFile::parse(&scene.name, &text, scene.origin.clone(), false);
@@ -84,7 +84,7 @@ fn written(scene: &SceneFile, all: &[Written<'_>]) -> Result<String, Refusal> {
         Refusal::Input(miette::miette!(
             help = "constants that the data do not determine are not written: fix them with --hold, or write them with --force",
             "the scene with these constants is not valid: {}",
-            e.told()
+            e.to_text()
         ))
     })?;
     for w in all {
@@ -98,14 +98,18 @@ fn written(scene: &SceneFile, all: &[Written<'_>]) -> Result<String, Refusal> {
 }
 
 /// Returns the fitted model as text with all digits, for comparison.
-fn fitted(scene: &SceneFile, w: &Written<'_>) -> String {
+fn fitted(scene: &SceneFile, w: &FittedConstants<'_>) -> String {
     let (mut spec, mut modelling) = (scene.spec_for(w.choice), w.choice.modelling.clone());
     apply(&w.constants, &w.choice.model, &mut spec, &mut modelling);
     format!("{spec:?}{modelling:?}")
 }
 
 /// Writes constants into the entry of a model; `None` if the form of the entry is not supported.
-fn put(document: &mut DocumentMut, scene: &SceneFile, w: &Written<'_>) -> Option<()> {
+fn write_constants(
+    document: &mut DocumentMut,
+    scene: &SceneFile,
+    w: &FittedConstants<'_>,
+) -> Option<()> {
     let place = scene
         .models
         .iter()
@@ -141,7 +145,7 @@ fn above(text: &str, tag: &str) -> String {
 }
 
 /// Changes the entry of a model, and returns the comments about its calibration, which is gone.
-fn change(model: &mut dyn TableLike, scene: &SceneFile, w: &Written<'_>) -> Option<String> {
+fn change(model: &mut dyn TableLike, scene: &SceneFile, w: &FittedConstants<'_>) -> Option<String> {
     let mut kept = String::new();
     if let Some((key, item)) = model.get_key_value("calibration") {
         let after = item.as_value().and_then(|v| v.decor().suffix());
@@ -191,7 +195,7 @@ fn change(model: &mut dyn TableLike, scene: &SceneFile, w: &Written<'_>) -> Opti
 }
 
 /// Puts constants among the parameters of all gears, and of single ones.
-fn parameters(model: &mut dyn TableLike, scene: &SceneFile, w: &Written<'_>) -> Option<()> {
+fn parameters(model: &mut dyn TableLike, scene: &SceneFile, w: &FittedConstants<'_>) -> Option<()> {
     let all = &w.constants.parameters;
     let common: Vec<(&str, f64)> = (all.iter())
         .filter(|(key, _)| of_gear(key).0.is_none())

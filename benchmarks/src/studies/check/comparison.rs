@@ -4,9 +4,9 @@
 //! entries tells a smaller slowdown than a single one can. What disturbs a machine may disturb all entries of that moment,
 //! so that no median helps; it passes, and a ratio therefore is the least over several moments (`kernel`).
 
-use super::file::{Rules, Runtime, Work};
+use super::file::{Rules, Runtime, WorkRule};
 use super::kernel::median;
-use gearbench_reports::check::{Checked, CheckedValue, Finding, Kind, Measured, Verdict};
+use gearbench_reports::check::{CheckedEntry, CheckedValue, Finding, Kind, MeasuredEntry, Verdict};
 use gearbench_reports::numbers::short;
 use std::collections::BTreeSet;
 
@@ -29,11 +29,11 @@ fn moved(yes: bool) -> Verdict {
 
 /// Compares an entry with its baseline. `same` is true if both were timed on the same kind of processor.
 pub(super) fn judge(
-    now: Measured,
-    before: Option<&Measured>,
+    now: MeasuredEntry,
+    before: Option<&MeasuredEntry>,
     rules: &Rules,
     same: bool,
-) -> Checked {
+) -> CheckedEntry {
     let mut findings = Vec::new();
     match before {
         None => findings.push(Finding {
@@ -54,15 +54,15 @@ pub(super) fn judge(
         }
     }
     findings.extend(limits(&now, rules));
-    Checked {
+    CheckedEntry {
         measured: now,
         findings,
     }
 }
 
 /// Returns the comparison for an entry that the baseline has and the check does not have.
-pub(super) fn gone(before: &Measured) -> Checked {
-    Checked {
+pub(super) fn gone(before: &MeasuredEntry) -> CheckedEntry {
+    CheckedEntry {
         measured: before.clone(),
         findings: vec![Finding {
             kind: Kind::Entry,
@@ -76,8 +76,8 @@ pub(super) fn gone(before: &Measured) -> Checked {
     }
 }
 
-fn status(now: &Measured, before: &Measured) -> Finding {
-    let told = |m: &Measured| match &m.message {
+fn status(now: &MeasuredEntry, before: &MeasuredEntry) -> Finding {
+    let told = |m: &MeasuredEntry| match &m.message {
         Some(why) => format!("{}: {why}", m.status),
         None => m.status.to_string(),
     };
@@ -95,7 +95,7 @@ fn status(now: &Measured, before: &Measured) -> Finding {
     }
 }
 
-fn metrics(now: &Measured, before: &Measured, rules: &Rules) -> Vec<Finding> {
+fn metrics(now: &MeasuredEntry, before: &MeasuredEntry, rules: &Rules) -> Vec<Finding> {
     let keys: BTreeSet<&String> = now.metrics.keys().chain(before.metrics.keys()).collect();
     let found = keys.into_iter().map(|key| {
         let t = rules.tolerance(key);
@@ -135,7 +135,7 @@ fn metrics(now: &Measured, before: &Measured, rules: &Rules) -> Vec<Finding> {
 }
 
 /// Returns the findings of limits that do not depend on the baseline.
-fn limits(now: &Measured, rules: &Rules) -> Vec<Finding> {
+fn limits(now: &MeasuredEntry, rules: &Rules) -> Vec<Finding> {
     let bound = |(key, x): (&String, &f64)| {
         let most = rules.tolerance(key).most?;
         Some(Finding {
@@ -150,13 +150,13 @@ fn limits(now: &Measured, rules: &Rules) -> Vec<Finding> {
     now.metrics.iter().filter_map(bound).collect()
 }
 
-fn work(now: &Measured, before: &Measured, rules: &Rules) -> Vec<Finding> {
+fn work(now: &MeasuredEntry, before: &MeasuredEntry, rules: &Rules) -> Vec<Finding> {
     let found = now.work.iter().map(|(key, &n)| {
         let was = before.work.get(key).copied();
         let same = was == Some(n);
         let (allowed, different) = match rules.work {
-            Work::Exact => ("no change", Verdict::Moved),
-            Work::Report => ("", Verdict::Reported),
+            WorkRule::Exact => ("no change", Verdict::Moved),
+            WorkRule::Report => ("", Verdict::Reported),
         };
         Finding {
             kind: Kind::Work,
@@ -171,7 +171,12 @@ fn work(now: &Measured, before: &Measured, rules: &Rules) -> Vec<Finding> {
     found.collect()
 }
 
-fn runtime(now: &Measured, before: &Measured, rules: &Rules, same: bool) -> Option<Finding> {
+fn runtime(
+    now: &MeasuredEntry,
+    before: &MeasuredEntry,
+    rules: &Rules,
+    same: bool,
+) -> Option<Finding> {
     let (now, before) = (now.runtime?, before.runtime?);
     let (allowed, verdict) = slower(now / before, rules.runtime.factor, &rules.runtime, same);
     Some(Finding {
@@ -208,12 +213,12 @@ pub(super) fn middle(ratios: &[f64]) -> Option<f64> {
 
 /// The runtimes of all entries together: an entry of its own, where there are enough of them.
 pub(super) fn program(
-    now: &[Measured],
-    before: &[Measured],
+    now: &[MeasuredEntry],
+    before: &[MeasuredEntry],
     rules: &Runtime,
     same: bool,
-) -> Option<Checked> {
-    let ratio = |now: &Measured| {
+) -> Option<CheckedEntry> {
+    let ratio = |now: &MeasuredEntry| {
         let before = before.iter().find(|b| b.is(now))?;
         Some(now.runtime? / before.runtime?)
     };
@@ -229,20 +234,20 @@ pub(super) fn program(
         allowed,
         verdict,
     };
-    Some(Checked {
-        measured: Measured {
+    Some(CheckedEntry {
+        measured: MeasuredEntry {
             case: "all cases".into(),
             model: "all models".into(),
             method: format!("{} runtimes", ratios.len()),
-            ..Measured::default()
+            ..MeasuredEntry::default()
         },
         findings: vec![finding],
     })
 }
 
 /// Constants that differ: what was changed, where a change of the scene moves results.
-fn parameters(now: &Measured, before: &Measured) -> Vec<Finding> {
-    let flat = |m: &Measured| {
+fn parameters(now: &MeasuredEntry, before: &MeasuredEntry) -> Vec<Finding> {
+    let flat = |m: &MeasuredEntry| {
         let all = m.parameters.iter();
         all.flat_map(|(of, keys)| {
             keys.iter()
@@ -276,7 +281,7 @@ fn parameters(now: &Measured, before: &Measured) -> Vec<Finding> {
 }
 
 /// Runtime from which on an entry is slow, if it can be.
-pub(super) fn slow_from(before: Option<&Measured>, rules: &Rules) -> Option<f64> {
+pub(super) fn slow_limit(before: Option<&MeasuredEntry>, rules: &Rules) -> Option<f64> {
     Some(rules.runtime.factor * before?.runtime?)
 }
 

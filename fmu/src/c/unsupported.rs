@@ -3,12 +3,12 @@
 //! feature and fails.
 
 use super::{Log, Logger, Status, text, with};
-use crate::instance::{Done, Failure};
+use crate::instance::{CallResult, Failure};
 use std::ffi::{c_char, c_void};
 use std::ptr::null_mut;
 
 /// Succeeds for zero variables; otherwise fails, as no variable of the type exists.
-fn none(count: usize, what: &str) -> Done {
+fn none(count: usize, what: &str) -> CallResult {
     match count {
         0 => Ok(()),
         _ => Err(Failure(format!("there are no variables of type {what}"))),
@@ -126,7 +126,7 @@ pub unsafe extern "C" fn fmi3InstantiateScheduledExecution(
     // SAFETY: a text of the host.
     let name = unsafe { text(name) };
     let logger = Logger { environment, log };
-    logger.say(
+    logger.log(
         super::ERROR,
         &format!("{name}: there is no scheduled execution, take co-simulation or model exchange"),
     );

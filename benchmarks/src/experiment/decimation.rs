@@ -12,12 +12,12 @@ const FULL_COLUMNS: usize = 5000;
 
 /// Reduces a history for the record: extrema of each interval stay, and the surroundings of the highest peak in full
 /// resolution.
-pub fn thin(series: &TimeSeries) -> TimeSeries {
+pub fn decimate(series: &TimeSeries) -> TimeSeries {
     let force = &series.contact_force_n;
     let peak = (0..force.len()).max_by(|&a, &b| force[a].total_cmp(&force[b]));
     let at = peak.map_or(0.0, |i| series.time_s[i]);
     let half = CLOSE_UP * series.time_s.last().copied().unwrap_or(0.0);
-    let mut thin = series.thinned_around(KEPT_BUCKETS, [at - half, at + half]);
+    let mut thin = series.decimated_around(KEPT_BUCKETS, [at - half, at + half]);
     if thin.len() > FULL_COLUMNS {
         thin.columns.clear();
     }
@@ -26,12 +26,12 @@ pub fn thin(series: &TimeSeries) -> TimeSeries {
 
 /// Replaces the history of a row by its reduced form; the full one stays for the files of histories, if the row has
 /// them. The force pieces for metrics are dropped.
-pub fn thin_row(row: &mut Run) {
+pub fn decimate_run(row: &mut Run) {
     let Some(mut whole) = row.series.take() else {
         return;
     };
     whole.force = None;
-    row.series = Some(thin(&whole));
+    row.series = Some(decimate(&whole));
     if let Some(histories) = &mut row.histories {
         histories.series = Some(whole);
     }

@@ -9,7 +9,7 @@ use gearbench_models::scene::Scene;
 /// pinion, which is the subject of the tests of `motion`.
 fn said(from: &str, to: &str) -> Vec<String> {
     let all = read(from, to).odd;
-    let all = all.iter().map(|odd| odd.told());
+    let all = all.iter().map(|odd| odd.to_text());
     all.filter(|odd| !odd.contains("the kinematics of the train give"))
         .collect()
 }
@@ -95,7 +95,7 @@ fn millimetres_are_said() {
     let text = (metres.replace("module_m = 0.004", "module_m = 4"))
         .replace("centre_distance_m = 0.1001", "centre_distance_m = 100.1");
     let odd = parse(&text).unwrap().odd;
-    let told: Vec<String> = odd.iter().map(|odd| odd.told()).collect();
+    let told: Vec<String> = odd.iter().map(|odd| odd.to_text()).collect();
     for line in [10, 17] {
         let expected = format!(
             "test.toml:{line}: `module_m` = 4 m is far outside the typical range of gears; if 4 is in millimetres, write module_m = 0.004"
