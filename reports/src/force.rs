@@ -26,6 +26,7 @@ pub(crate) const GAUSS: [(f64, f64); 6] = [
 /// The nodes of all pieces are in one list of times \[s\], which does not decrease, and one of forces \[N\]. The nodes
 /// of a piece go from its first one up to the first one of the next piece.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct ForceHistory {
     time_s: Vec<f64>,
     force_n: Vec<f64>,

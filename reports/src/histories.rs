@@ -14,6 +14,7 @@ pub(crate) const ENDINGS: [&str; 3] = [".csv", "-pairs.csv", "-events.csv"];
 
 /// Force of a tooth pair at a time of the grid.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct PairSample {
     /// Time of the sample on the grid \[s\].
     pub time_s: f64,
@@ -30,6 +31,7 @@ pub struct PairSample {
 
 /// A tooth that moves against its body on a spring and a damper.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct SprungTooth {
     /// Radial part of the contact force on the tooth, positive away from the axis \[N\].
     pub radial_n: f64,
@@ -47,6 +49,7 @@ fn no_tooth_moves(sprung: &[Option<SprungTooth>; 2]) -> bool {
 
 /// A contact that closes or opens.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct ContactEvent {
     /// Time of the event \[s\].
     pub time_s: f64,
@@ -65,6 +68,7 @@ pub struct ContactEvent {
 
 /// Histories of a run at full resolution: the content of its CSV files.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct Histories {
     /// The series at full resolution, if the record's own has been thinned.

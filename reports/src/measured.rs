@@ -26,6 +26,7 @@ use serde::{Deserialize, Serialize};
 
 /// A measured curve with its abscissa, ordinate and source, as the scene gives it.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct MeasuredCurve {
     /// File with the measured points.
     pub source: String,

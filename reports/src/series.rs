@@ -36,6 +36,7 @@ pub const TOOTH_SPRING_FORCE: &str = "tooth_spring_force";
 /// jump). `omega*_rad_s` are momentum means, angular momentum over inertia, so that rigid and
 /// elastic bodies compare.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct TimeSeries {
     /// Times of the samples \[s\], not decreasing; two equal times are the two sides of a jump.
@@ -58,6 +59,7 @@ pub struct TimeSeries {
 
 /// One further named column of a [`TimeSeries`].
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct Column {
     /// Name with unit, for example `transmission_error_m`.
     pub name: String,

@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 /// Numbers of the contact force of a mesh over a run that reached its end.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct MeshForce {
     /// Names of its gears.

@@ -10,6 +10,7 @@ const UNDAMPED: f64 = 1e-6;
 
 /// The natural mode of a model that strains its meshes most, in the equilibrium of the loads of the scene.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct MeshMode {
     /// Label of the model.

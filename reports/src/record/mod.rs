@@ -71,6 +71,7 @@ fn nan() -> f64 {
 
 /// The header that all records share: scene, command, machine, version and inputs.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct StudyHeader {
     /// Format version, [`SCHEMA`].
     pub schema: u32,
@@ -109,12 +110,14 @@ impl Default for StudyHeader {
 
 /// One study of one scene: the content of `results.json`, without levels between header, part and the rest.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct Results {
     /// Header that all records share.
     #[serde(flatten)]
     pub header: StudyHeader,
     /// Settings of the scene in the order of display: name, and value with unit.
     #[serde(default, with = "ordered_map", skip_serializing_if = "Vec::is_empty")]
+    #[cfg_attr(test, schemars(with = "std::collections::BTreeMap<String, String>"))]
     pub settings: Vec<(String, String)>,
     /// Tolerance of the scene; absent where it states none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -144,6 +147,7 @@ impl Results {
 
 /// The computer a study ran on.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct Machine {
     /// Processor, as the operating system names it.
@@ -165,6 +169,7 @@ pub struct Machine {
 
 /// The scene's own limit: beyond it a run is `inaccurate`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct Tolerance {
     /// Metric that the tolerance limits.
     pub metric: Metric,
@@ -180,6 +185,7 @@ pub struct Tolerance {
 
 /// Data from elsewhere that runs are compared with.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct ReferenceSeries {
     /// Id used by [`Metrics::against`], such as `calculix`.
@@ -233,6 +239,7 @@ pub(crate) fn slug(text: &str) -> String {
 
 /// Engineering outputs of one run against one reference; see [`crate::metrics`] for definitions.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct Metrics {
     /// Relative L1 error of the force history [-].
@@ -345,6 +352,7 @@ impl Metrics {
 
 /// Ledger of energy and impulse, with `energy_end = energy_start + external_work - dissipated + jumps + residual`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct Ledger {
     /// Total energy at the start \[J\].

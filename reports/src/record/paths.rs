@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 /// Paths of torque through a scene: mean values over an interval, and work over the whole run.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct TorquePaths {
     /// Start of the interval of the means [s].
@@ -40,6 +41,7 @@ pub struct TorquePaths {
 
 /// Mean force, torques and power of a mesh.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct MeshPath {
     /// Names of its gears.
@@ -63,6 +65,7 @@ pub struct MeshPath {
 
 /// Mean speed, torques and power of a gear or a body.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct MemberPath {
     /// Name of the gear or body.
@@ -85,6 +88,7 @@ pub struct MemberPath {
 
 /// A piece of a shaft between neighbours.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct ShaftPath {
     /// Names of the stations.
@@ -97,6 +101,7 @@ pub struct ShaftPath {
 
 /// Load sharing of the planets of a carrier at one gear.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct Sharing {
     /// Name of the carrier.
@@ -113,6 +118,7 @@ pub struct Sharing {
 
 /// Share of a planet in the load of a gear.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct PlanetShare {
     /// Name of the planet.

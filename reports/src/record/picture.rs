@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 
 /// The mesh at one instant, in world coordinates, for the picture.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct ContactSnapshot {
     /// The instant, usually that of the peak force \[s\].
@@ -51,6 +52,7 @@ impl ContactSnapshot {
 
 /// The closed outline of one gear.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct Outline {
     /// Name of the gear.
@@ -61,6 +63,7 @@ pub struct Outline {
 
 /// One contact of a snapshot.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct ContactPoint {
     /// Position of the contact \[m\].
@@ -79,6 +82,7 @@ pub struct ContactPoint {
 
 /// A section of a flank of an elastic gear, from the root to the tip.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct DeformedSection {
     /// Name of the gear.
@@ -95,6 +99,7 @@ pub struct DeformedSection {
 
 /// Load on the flanks of the first gear of a mesh: contacts at the instant of the picture, and maxima over the run.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct FlankLoad {
     /// The mesh, counted from 1.
@@ -118,6 +123,7 @@ pub struct FlankLoad {
 
 /// Quantity that a flank is coloured by.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum FlankValue {
     /// Contact pressure \[Pa\].
@@ -129,6 +135,7 @@ pub enum FlankValue {
 
 /// A contact on a flank.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct FlankPatch {
     /// The tooth, counted from 1.
@@ -148,6 +155,7 @@ pub struct FlankPatch {
 /// Values over a flank: rows from the form circle to the tip at equal steps of the length of roll, columns from the
 /// lower to the upper end of the face; 0 without contact.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct FlankGrid {
     /// Number of instants of the run that were evaluated.

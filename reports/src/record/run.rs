@@ -61,6 +61,7 @@ impl Status {
 
 /// One model under one integrator.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct Run {
     /// Model id: `rigid`, `movable-teeth`, `elastic`, `fe`.
     pub model: String,
@@ -202,6 +203,7 @@ pub struct Run {
 
 /// Method, step and tolerance of a model's own converged solution.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct ConvergedSettings {
     /// Id of the integrator.
     pub integrator: String,

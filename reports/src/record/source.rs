@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 
 /// Inputs of a record, complete enough to make it again.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct Source {
     /// Version of gearbench that made the record.

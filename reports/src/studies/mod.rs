@@ -71,6 +71,7 @@ words! {
 
 /// The part of a record that is specific to its study, next to header, references and runs.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(tag = "study", rename_all = "kebab-case")]
 pub enum Part {
     /// Part of a record of [`Study::Compare`].

@@ -55,6 +55,7 @@ words! {
 
 /// One entry as it was measured, and as baselines keep it.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct MeasuredEntry {
     /// Name of the case.
@@ -96,6 +97,7 @@ impl MeasuredEntry {
 
 /// A value of a quantity: a number with all its digits, or words, such as how a run ended.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(untagged)]
 pub enum CheckedValue {
     /// A number in SI units, or a count.
@@ -144,6 +146,7 @@ impl From<f64> for CheckedValue {
 
 /// A quantity compared with its baseline.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct Finding {
     /// Kind of the quantity.
@@ -196,6 +199,7 @@ impl Finding {
 
 /// An entry with its findings.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct CheckedEntry {
     /// Entry as it was measured; for an entry that only the baseline has, as the baseline stores it.
@@ -223,6 +227,7 @@ impl CheckedEntry {
 
 /// Origin of a stored baseline: number, commit, time and processor.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct Stored {
     /// Number of the baseline, from 1.
@@ -237,6 +242,7 @@ pub struct Stored {
 
 /// A quantity of an entry over all baselines, the present run last.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct Trend {
     /// Name of the entry, see [`MeasuredEntry::name`].
     pub entry: String,
@@ -246,6 +252,7 @@ pub struct Trend {
 
 /// The part of a record that is specific to a regression check.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct CheckRecord {
     /// File that defines the check.

@@ -45,6 +45,7 @@ impl Outcome {
 
 /// A candidate that was run on the whole scene.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct ValidatedCandidate {
     /// Name of the candidate.
@@ -61,6 +62,7 @@ pub struct ValidatedCandidate {
 
 /// A choice on one scene.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct ValidatedChoice {
     /// Name of the scene.
@@ -272,6 +274,7 @@ pub fn shares(scenes: &[ValidatedChoice]) -> Vec<Share> {
 
 /// The part of a record that is specific to a validation of choices.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct CheckRecord {
     /// Choices of a model validated on random scenes.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]

@@ -13,6 +13,7 @@ pub use verdict::{Adequacy, Verdict};
 
 /// The cheapest adequate model, integrator and step of a scene, and the data that the choice follows from.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct ChoiceRecord {
     /// Metric by its name on the command line, such as `force-aligned`.
@@ -97,6 +98,7 @@ pub struct ChoiceRecord {
 
 /// A level of the hierarchy.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct LevelRecord {
     /// Name of the level.
@@ -133,6 +135,7 @@ pub struct LevelRecord {
 
 /// A candidate that was run on the window.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct CandidateRecord {
     /// Name of the candidate's level.
@@ -168,6 +171,7 @@ pub struct CandidateRecord {
 /// Distances of yardstick and choice to a reference of the scene, in the metric of the requirement, over the whole
 /// scene.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct ReferenceDistance {
     /// Name of the reference.
@@ -182,6 +186,7 @@ pub struct ReferenceDistance {
 
 /// Statistics of a contact force whose history does not repeat.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct ForceStatistics {
     /// Root mean square \[N\].
@@ -293,6 +298,7 @@ impl ChoiceRecord {
 
 /// The part of a record that is specific to a study of model choice.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct ChooseRecord {
     /// The choice, and the data that it follows from.
     pub choice: ChoiceRecord,

@@ -27,6 +27,7 @@ words! {
 
 /// Adequacy of a model under the tolerance.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub enum Adequacy {
     /// The model keeps the tolerance.
     #[serde(rename = "adequate")]

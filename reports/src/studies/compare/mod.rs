@@ -27,6 +27,7 @@ pub use yardstick::{Kind, Yardstick};
 
 /// The part of a record that is specific to a comparison.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct CompareRecord {
     /// Publication of the times of other programs, for [`crate::record::Run::published_s`].
     #[serde(default, skip_serializing_if = "Option::is_none")]

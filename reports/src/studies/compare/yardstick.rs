@@ -28,6 +28,7 @@ words! {
 
 /// The history that the models of a comparison are compared with, and its own error.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct Yardstick {
     /// Id of the reference, as in [`crate::record::Metrics::against`].
     pub id: String,

@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 
 /// The part of a record that is specific to a study of coupling.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct CouplingRecord {
     /// Couplings, model by model.
     pub couplings: Vec<Coupling>,
@@ -48,6 +49,7 @@ words! {
 
 /// A model under one extrapolation of forces and one interpolation of motion.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct Coupling {
     /// Id of the model.
@@ -92,6 +94,7 @@ pub struct Coupling {
 
 /// A run in two parts.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct CouplingCell {
     /// Communication step [s].

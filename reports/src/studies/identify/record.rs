@@ -10,6 +10,7 @@ use serde::{Deserialize, Serialize};
 
 /// The part of a record that is specific to an identification.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct IdentifyRecord {
     /// Fits, one per model.
     pub fits: Vec<FitRecord>,
@@ -32,6 +33,7 @@ words! {
 
 /// Histories of a model of a fit over the time of the scene.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct FitHistory {
     /// Label of the model in its scene.
@@ -80,6 +82,7 @@ words! {
 
 /// A model fitted to data.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct FitRecord {
     /// Label of the model in its scene.
@@ -109,6 +112,7 @@ pub struct FitRecord {
 
 /// A parameter of a fit.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct ParameterRecord {
     /// Key as written in scenes, with the unit at its end.
@@ -146,6 +150,7 @@ impl ParameterRecord {
 
 /// A data set with the values of the fitted model at the same abscissa.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct DataRecord {
     /// Name of the data set.
@@ -180,6 +185,7 @@ pub struct DataRecord {
 
 /// Rise of the sum of squares of a fit with one parameter held away from its estimate.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct ProfileRecord {
     /// Key of the parameter.

@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 
 /// The part of a record that is specific to natural frequencies.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct ModesRecord {
     /// Natural frequencies, model by model.
     pub vibrations: Vec<ModelModes>,
@@ -40,6 +41,7 @@ words! {
 
 /// Natural frequencies of a model of a scene.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct ModelModes {
     /// Label of the model in its scene.
@@ -90,6 +92,7 @@ impl ModelModes {
 
 /// A mesh in the state.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct MeshState {
     /// Names of its gears.
@@ -100,6 +103,7 @@ pub struct MeshState {
 
 /// A member of the scene.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct MemberPlace {
     /// Name of the gear or body.
@@ -120,6 +124,7 @@ pub struct MemberPlace {
 
 /// A mode, or several of one frequency.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct ModeRecord {
     /// Natural frequency without damping [Hz].
@@ -144,6 +149,7 @@ pub struct ModeRecord {
 
 /// Motion of a member in a mode.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct MemberShape {
     /// Turn of the hub [rad]; displacement of a sliding member [m].

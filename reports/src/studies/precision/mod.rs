@@ -26,6 +26,7 @@ const IMPROVEMENT: f64 = 0.95;
 
 /// The part of a record that is specific to a study of accuracy against cost.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct PrecisionRecord {
     /// Metrics that the study is about, the first one above all.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]

@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 
 /// The part of a record that is specific to a frequency response.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct ResponseRecord {
     /// Responses, model by model.
     pub responses: Vec<ModelResponse>,
@@ -25,6 +26,7 @@ impl Results {
 
 /// The response of a model of a scene.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct ModelResponse {
     /// Label of the model in its scene.
@@ -65,6 +67,7 @@ impl ModelResponse {
 
 /// The response to meshes that share a mesh frequency.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct GroupResponse {
     /// Mesh frequency at the speeds of the scene [Hz].
@@ -85,6 +88,7 @@ pub struct GroupResponse {
 
 /// A mesh that runs slowly.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct MeshLimit {
     /// Names of its gears.
@@ -105,6 +109,7 @@ pub struct MeshLimit {
 
 /// The response at a mesh frequency.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct ResponsePoint {
     /// Mesh frequency [Hz].
@@ -124,6 +129,7 @@ impl ResponsePoint {
 
 /// A mesh at a mesh frequency.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct MeshPoint {
     /// Transmission error about its mean [m]: root mean square.
@@ -142,6 +148,7 @@ pub struct MeshPoint {
 
 /// Force of a mount at a mesh frequency.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct MountPoint {
     /// Root mean square of the force across the axis about its mean [N].

@@ -10,6 +10,7 @@ use serde::{Deserialize, Serialize};
 
 /// The part of a record that is specific to a run-up.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct RunUpRecord {
     /// Run-ups, model by model.
     pub run_ups: Vec<ModelRunUp>,
@@ -27,6 +28,7 @@ impl Results {
 
 /// The run-up of a model.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct ModelRunUp {
     /// Label of the model in its scene.
@@ -59,6 +61,7 @@ pub struct ModelRunUp {
 
 /// An order that was followed.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct TrackedOrder {
     /// Name of the frequency that the order is a multiple of.
@@ -71,6 +74,7 @@ pub struct TrackedOrder {
 
 /// Windows of a map, and its lines.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct RunUpMap {
     /// Length of a window: [s] or turns. Lines closer than twice its inverse are not resolved.
@@ -85,6 +89,7 @@ pub struct RunUpMap {
 
 /// A natural frequency of the scene under its loads.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct NaturalFrequency {
     /// Natural frequency without damping [Hz].
@@ -95,6 +100,7 @@ pub struct NaturalFrequency {
 
 /// A quantity over the run-up, in its SI unit.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct RunUpChannel {
     /// Name of its column in files.

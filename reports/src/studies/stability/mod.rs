@@ -31,6 +31,7 @@ words! {
 
 /// A parameter that a map varies.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct MapAxis {
     /// Id, such as `contact-stiffness`.
     pub id: String,
@@ -47,6 +48,7 @@ pub struct MapAxis {
 
 /// Status and work of one run of a map.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct Cell {
     /// Step \[s\] or relative tolerance [-].
     pub at: f64,
@@ -89,6 +91,7 @@ words! {
 
 /// A line of theory over the rows of a map.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct MapLine {
     /// Label of the line, such as `omega_max h = 2`.
     pub label: String,
@@ -100,6 +103,7 @@ pub struct MapLine {
 
 /// The model's own converged solution that the cells of a row are compared with.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct SelfReference {
     /// Method and tolerance of the solution and of the run that checks it.
     pub method: String,
@@ -113,6 +117,7 @@ pub struct SelfReference {
 
 /// One model under one integrator over steps and parameters.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct Map {
     /// Maps of one set share axes and duration.
     pub set: usize,
@@ -249,6 +254,7 @@ impl Map {
 
 /// The part of a record that is specific to a study of stability.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct StabilityRecord {
     /// Maps of where methods fail.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]

@@ -13,6 +13,7 @@ pub const PER_MM_UM: f64 = 1e9;
 
 /// The part of a record that is specific to static stiffness.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct StiffnessRecord {
     /// Models of the scene, and behind them formulas.
     pub stiffness: Vec<ModelStiffness>,
@@ -30,6 +31,7 @@ impl Results {
 
 /// Static stiffness of a model over a mesh cycle.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct ModelStiffness {
     /// Label of the model in its scene, or the name of the formula.
@@ -80,6 +82,7 @@ pub struct ModelStiffness {
 
 /// An equilibrium at a position of the mesh cycle.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct StiffnessPosition {
     /// Path coordinate of the reference pair \[m\].
@@ -99,6 +102,7 @@ pub struct StiffnessPosition {
 
 /// The load of a tooth pair.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct PairLoad {
     /// Number of base pitches by which the pair is ahead of the reference pair.
@@ -109,6 +113,7 @@ pub struct PairLoad {
 
 /// Pressure of a line of contact.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct LinePressure {
     /// Half width of the contact \[m\].

@@ -13,6 +13,7 @@ use serde::{Deserialize, Serialize};
 
 /// The part of a record that is specific to loaded running.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct SweepRecord {
     /// Quasi-static mesh cycles, one per model: the limit of low speed.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -98,6 +99,7 @@ pub fn bistable(results: &Results) -> Vec<Bistable> {
 
 /// Steady running at one speed.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct Steady {
     /// Initial state of the run at its speed.
@@ -142,6 +144,7 @@ pub struct Steady {
 
 /// Transmission error at multiples of the speed of a shaft.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct ShaftOrders {
     /// Name of the gear.
@@ -154,6 +157,7 @@ pub struct ShaftOrders {
 
 /// Force of a gear on its bearing over whole mesh cycles.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct Bearing {
     /// Name of the gear.
@@ -170,6 +174,7 @@ pub struct Bearing {
 
 /// A model at rest under the same load, over one mesh cycle: the limit of slow running.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct StaticCycle {
     /// The model, as its runs call it.
