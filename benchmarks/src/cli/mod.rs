@@ -18,7 +18,7 @@ pub mod study_folder;
 pub mod terminal;
 pub(crate) mod values;
 
-use crate::experiment::interruption;
+use crate::experiment::{interruption, machine};
 use crate::fmu::{self, arguments::Fmu};
 use crate::tools::completions::{self, Completions};
 use crate::tools::mesh::{self, arguments::Mesh};
@@ -34,6 +34,7 @@ use gearbench_reference::limits;
 use help::Help;
 use std::ffi::OsString;
 use std::process::ExitCode;
+use std::sync::OnceLock;
 use study_command::StudyCommand;
 use terminal::{OutputForm, Refusal};
 use values::{DEFAULT_MEMORY, gigabytes};
@@ -66,13 +67,17 @@ Results (--out DIR, default out/SCENE/STUDY/, printed at the end):
 
 `gearbench help scene` describes scene files, `gearbench help limits` what gearbench does not do.";
 
-/// The version with the commit of the build, as `--version` prints it.
-const VERSION: &str = concat!(
-    env!("CARGO_PKG_VERSION"),
-    " (commit ",
-    env!("GEARBENCH_COMMIT"),
-    ")"
-);
+/// The version with the commit of the program, as `--version` prints it.
+fn version() -> &'static str {
+    static VERSION: OnceLock<String> = OnceLock::new();
+    VERSION.get_or_init(|| {
+        format!(
+            "{} (commit {})",
+            env!("CARGO_PKG_VERSION"),
+            machine::commit()
+        )
+    })
+}
 
 /// Which gear-contact model and which integrator are just accurate enough for a scene, and what do they cost?
 ///
@@ -83,7 +88,7 @@ const VERSION: &str = concat!(
 #[derive(Clone, Debug, Parser)]
 #[command(
     name = "gearbench",
-    version = VERSION,
+    version = version(),
     help_template = help::template(),
     after_help = after_help(),
     disable_help_subcommand = true,

@@ -57,7 +57,7 @@ impl Header {
             program: format!(
                 "gearbench {} {}{}",
                 env!("CARGO_PKG_VERSION"),
-                machine::COMMIT,
+                machine::commit(),
                 build()
             ),
             subject: subject.clone(),
@@ -67,7 +67,7 @@ impl Header {
 
 /// Time of the build, which distinguishes builds of one commit with uncommitted changes; empty for a clean tree.
 fn build() -> String {
-    let changed = machine::COMMIT.ends_with('+');
+    let changed = machine::commit().ends_with('+');
     let built = || std::env::current_exe()?.metadata()?.modified();
     let time = changed.then(built).and_then(Result::ok);
     time.map_or_else(String::new, |t| format!(" {t:?}"))

@@ -2,9 +2,21 @@
 
 use gearbench_integrators::clock::processor_time;
 use gearbench_reports::record::{Machine, StudyHeader};
+use std::sync::OnceLock;
 
-/// Commit of gearbench at build time; `+` marks a tree with changes.
-pub const COMMIT: &str = env!("GEARBENCH_COMMIT");
+/// Commit of the program that runs. Its entry point knows it: were it part of this library, every commit would compile
+/// the library and all that depends on it again.
+static COMMIT: OnceLock<String> = OnceLock::new();
+
+/// Sets the commit of the program, once; `+` at its end marks a tree with changes.
+pub fn set_commit(commit: impl Into<String>) {
+    let _ = COMMIT.set(commit.into());
+}
+
+/// Commit of the program; `unknown` before an entry point has set it.
+pub fn commit() -> &'static str {
+    COMMIT.get().map_or("unknown", String::as_str)
+}
 
 /// The header of a record that is made by this program on this computer now.
 pub fn header(scene: &str, title: &str, command: &str) -> StudyHeader {
@@ -13,7 +25,7 @@ pub fn header(scene: &str, title: &str, command: &str) -> StudyHeader {
         title: title.into(),
         command: command.into(),
         machine: machine(),
-        commit: COMMIT.into(),
+        commit: commit().into(),
         created: now(),
         ..StudyHeader::default()
     }

@@ -79,11 +79,11 @@ pub fn prepare(args: &Rerun) -> Result<RecordedCommand, Refusal> {
             changed.join(", ")
         )));
     }
-    if before.header.commit != machine::COMMIT {
+    if before.header.commit != machine::commit() {
         warn(&format!(
             "the record was written at commit {}, this program was built at {}: results may differ",
             before.header.commit,
-            machine::COMMIT
+            machine::commit()
         ));
     }
     let folder = match args.record.extension() {

@@ -124,7 +124,7 @@ pub fn run(args: &Check, command: &str) -> Result<CommandResult, Refusal> {
         true if !holds || newest.entries.is_empty() => {
             let entries = now.into_iter().chain(left.kept).collect();
             let stored = Stored {
-                commit: machine::COMMIT.into(),
+                commit: machine::commit().into(),
                 created: machine::now(),
                 cpu: here.cpu,
                 ..Stored::default()

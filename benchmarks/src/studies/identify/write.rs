@@ -44,7 +44,7 @@ pub fn write(
         })
         .collect();
     let by = format!("written by {command}");
-    let commit = format!("commit {}, {}", machine::COMMIT, machine::now());
+    let commit = format!("commit {}, {}", machine::commit(), machine::now());
     let from = format!("fitted to {data}; for {}", to.holds_for());
     let text = written(&before, to, &[by, from, commit], &sets).map_err(|e| fail(&e))?;
     let parent = path.parent().filter(|p| !p.as_os_str().is_empty());

@@ -33,7 +33,7 @@ pub(super) fn text(header: &Header<'_>, spec: &SceneSpec, series: &TimeSeries) -
         "# title: {}\n# source: made by a model of gearbench {} (commit {}, {}), scene {}\n# command: {}\n# note: {}\n# contact forces are normal forces; conditions, by the keys of a scene:\n",
         line(header.title),
         env!("CARGO_PKG_VERSION"),
-        machine::COMMIT,
+        machine::commit(),
         machine::now(),
         line(header.scene),
         line(header.command),

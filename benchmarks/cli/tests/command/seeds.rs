@@ -317,7 +317,7 @@ fn the_stored_calibration_is_that_of_today() {
     let folder = Folder::new();
     folder.says("init spur_impact");
     folder.ends("identify spur_impact.toml --write --force --out o", 0);
-    let stored = include_str!("../../calibrations/spur_impact.toml");
+    let stored = include_str!("../../../calibrations/spur_impact.toml");
     let written = folder.read("spur_impact.calibration.toml");
     for model in ["rigid", "movable-teeth"] {
         let line = |text: &str| -> Vec<String> {

@@ -14,7 +14,7 @@ fn object(text: &[u8]) -> Value {
 #[test]
 fn a_run_beyond_the_tolerance_gates() {
     let folder = Folder::new();
-    let shipped = include_str!("../../scenes/hammer.toml");
+    let shipped = include_str!("../../../scenes/hammer.toml");
     let (before, after) = shipped.split_once("tolerance = ").unwrap();
     let rest = after.split_once('\n').unwrap().1;
     let with = |tolerance: &str| format!("{before}tolerance = {tolerance}\n{rest}");
@@ -84,7 +84,7 @@ fn an_answer_for_programs_is_one_object() {
 #[test]
 fn a_refusal_for_programs_has_file_line_and_help() {
     let folder = Folder::new();
-    let wrong = include_str!("../../scenes/hammer.toml").replacen("module_m", "module_mm", 1);
+    let wrong = include_str!("../../../scenes/hammer.toml").replacen("module_m", "module_mm", 1);
     let line = wrong
         .lines()
         .position(|l| l.starts_with("module_mm"))
@@ -109,7 +109,7 @@ fn a_refusal_for_programs_has_file_line_and_help() {
 #[test]
 fn a_reference_of_other_gears_is_refused_unless_the_user_insists() {
     let folder = Folder::new();
-    let faster = include_str!("../../scenes/spur_impact.toml").replacen(
+    let faster = include_str!("../../../scenes/spur_impact.toml").replacen(
         "speed_rad_s = 20.0",
         "speed_rad_s = 22.0",
         1,
@@ -117,7 +117,7 @@ fn a_reference_of_other_gears_is_refused_unless_the_user_insists() {
     folder.write("mine.toml", &faster);
     folder.write(
         "mine.calibration.toml",
-        include_str!("../../calibrations/spur_impact.toml"),
+        include_str!("../../../calibrations/spur_impact.toml"),
     );
     let words = [
         "mine.toml:16",

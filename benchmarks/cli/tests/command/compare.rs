@@ -28,7 +28,7 @@ fn a_comparison_writes_its_report() {
 }
 
 #[test]
-#[ignore = "a quarter of a minute of finite elements: cargo test --release -p gearbench --test command -- --ignored"]
+#[ignore = "a quarter of a minute of finite elements: cargo test --release -p gearbench-cli --test command -- --ignored"]
 fn the_bare_command_writes_the_default_report() {
     reports("", 0);
 }
@@ -108,7 +108,7 @@ fn bad_input_is_refused_and_nothing_is_written() {
 #[test]
 fn a_scene_of_ones_own_is_refused_with_its_line() {
     let folder = Folder::new();
-    let shipped = include_str!("../../scenes/hammer.toml");
+    let shipped = include_str!("../../../scenes/hammer.toml");
     let wrong = shipped.replacen("module_m = 0.004", "module_mm = 4.0", 1);
     let line = wrong.lines().position(|l| l.starts_with("module_mm"));
     folder.write("mine.toml", &wrong);

@@ -51,7 +51,7 @@ fn the_example_with_foreign_gears_comes_with_the_program() {
 #[test]
 fn the_smallest_scene_works() {
     let folder = Folder::new();
-    let page = include_str!("../../scenes/README.md");
+    let page = include_str!("../../../scenes/README.md");
     let example = page.split("```toml\n").nth(1).unwrap();
     folder.write("s.toml", example.split("```").next().unwrap());
     folder.ends("choose s.toml --tolerance 0.2", 0);

@@ -17,7 +17,7 @@ fn main() {
         "cargo:rustc-env=GEARBENCH_COMMIT={commit}{}",
         if changed { "+" } else { "" }
     );
-    for path in ["../.git/HEAD", "../.git/index"] {
+    for path in ["../../.git/HEAD", "../../.git/index"] {
         if std::path::Path::new(path).exists() {
             println!("cargo:rerun-if-changed={path}");
         }

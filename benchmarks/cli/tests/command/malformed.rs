@@ -2,7 +2,7 @@
 //!
 //! `tests/malformed/cases.tsv` has the cases and says how it is read. The quick ones run in every test; all are measured,
 //! each with exit code, wall time and greatest memory, by
-//! `cargo test --release -p gearbench --test command -- --ignored malformed`, which needs `/usr/bin/time` and writes
+//! `cargo test --release -p gearbench-cli --test command -- --ignored malformed`, which needs `/usr/bin/time` and writes
 //! `tests/malformed/measured.csv`.
 
 use super::Folder;
@@ -178,7 +178,7 @@ fn malformed_input_is_refused_with_its_code() {
 }
 
 #[test]
-#[ignore = "measures all cases, one after the other: cargo test --release -p gearbench --test command -- --ignored malformed"]
+#[ignore = "measures all cases, one after the other: cargo test --release -p gearbench-cli --test command -- --ignored malformed"]
 fn malformed_input_is_refused_in_little_time_and_memory() {
     let sound = sound();
     let mut table = String::from("exit_code,wall_s,peak_memory_mb,command,edits\n");

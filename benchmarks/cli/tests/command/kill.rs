@@ -189,7 +189,7 @@ fn killed_after_every_piece_and_resumed_a_study_is_the_same() {
     );
 }
 
-/// Takes some minutes: `cargo test --release -p gearbench --test command -- --ignored killed`.
+/// Takes some minutes: `cargo test --release -p gearbench-cli --test command -- --ignored killed`.
 #[test]
 #[ignore = "runs finite elements again and again, some minutes"]
 fn killed_twenty_times_and_resumed_a_slow_study_is_the_same() {

@@ -5,7 +5,7 @@ use super::{Folder, as_documented, has};
 
 /// The shipped impact as a file of one's own, with comments where constants will go, and a tolerance that decides.
 fn own(folder: &Folder) -> String {
-    let scene = include_str!("../../scenes/spur_impact.toml").replacen(
+    let scene = include_str!("../../../scenes/spur_impact.toml").replacen(
         "calibration = \"impact\"",
         "# as fitted\ncalibration = \"impact\" # to one blow",
         1,
@@ -14,7 +14,7 @@ fn own(folder: &Folder) -> String {
     folder.write("own.toml", &scene);
     folder.write(
         "own.calibration.toml",
-        include_str!("../../calibrations/spur_impact.toml"),
+        include_str!("../../../calibrations/spur_impact.toml"),
     );
     scene
 }
@@ -185,7 +185,7 @@ fn a_model_that_cannot_be_fitted_is_a_row_and_the_others_are_fitted() {
 fn constants_that_are_not_fitted_stay_stored() {
     let folder = Folder::new();
     let scene =
-        include_str!("../../scenes/spur_impact.toml").replacen("limit = 0.05", "limit = 0.2", 1);
+        include_str!("../../../scenes/spur_impact.toml").replacen("limit = 0.05", "limit = 0.2", 1);
     let model = "model = \"movable-teeth\"\n";
     let mass = "parameters = { tooth_mass_kg = 5e-3 }\n";
     let scene = scene.replacen(model, &format!("{model}{mass}"), 1);

@@ -361,7 +361,7 @@ fn two_processes_do_not_write_one_folder() {
     pairs(&QUICK, 1, true);
 }
 
-/// Takes some minutes: `cargo test --release -p gearbench --test command -- --ignored two_processes`.
+/// Takes some minutes: `cargo test --release -p gearbench-cli --test command -- --ignored two_processes`.
 #[cfg(target_os = "linux")]
 #[test]
 #[ignore = "twenty pairs of every study, some minutes"]
