@@ -167,7 +167,7 @@ fn pages(folder: &Path, found: &mut Vec<PathBuf>) {
 
 /// The words of a command line of a document, whose quotes are double or single and whose comments begin with ` #`.
 fn words(line: &str) -> Vec<String> {
-    // In examples of a help text two blanks stand before what the command does.
+    // In the examples of a help text two spaces separate command and description.
     let line = line.split("  ").next().unwrap_or_default();
     let line = line.split(" #").next().unwrap_or_default();
     let line = line.split(['|', '>', ';', '&']).next().unwrap_or_default();
@@ -189,7 +189,7 @@ fn commands(text: &str) -> Vec<Vec<String>> {
             let line = line
                 .strip_prefix("cargo run --release -- ")
                 .map_or(line.into(), |rest| format!("gearbench {rest}"));
-            // A command that goes on in the next line is not read.
+            // Commands that continue in the next line are skipped.
             let whole = program(&line) && !line.ends_with('\\');
             found.extend(whole.then(|| words(&line)));
         } else {
@@ -201,7 +201,7 @@ fn commands(text: &str) -> Vec<Vec<String>> {
             );
         }
     }
-    // Words in capitals, dots and brackets stand for something else.
+    // Words in capitals, dots and brackets are placeholders.
     let stands = |w: &String| {
         w.contains("...") || w.contains(['[', '$']) || w.chars().all(|c| c.is_ascii_uppercase())
     };
