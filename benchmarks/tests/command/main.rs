@@ -7,6 +7,7 @@ mod choose;
 mod compare;
 mod coupling;
 mod damping;
+mod documents;
 mod files;
 mod fmu;
 mod folders;
