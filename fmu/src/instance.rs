@@ -405,7 +405,7 @@ impl Instance {
         self.memory = snapshot.memory.clone();
         self.method = snapshot.method.duplicate();
         self.known = CachedResults::default();
-        // What the scene keeps for a method belongs to a run.
+        // Data that the scene stores for a method belong to one run.
         self.memory.begun &= self.memory.ran;
         self.apply_all();
     }
@@ -462,7 +462,8 @@ impl Instance {
             self.memory.begun = false;
             self.method = self.scheme.method.build();
         }
-        // A host of model exchange has the states, and says what it knows of a motion at each of them anew.
+        // In model exchange the host owns the states and sets the motion at each of them, so no jump of speed is
+        // applied.
         if self.kind == Kind::CoSimulation && self.memory.phase == Phase::Running {
             for (member, motion, jump) in shaken {
                 self.apply_speed_jump(member, &motion, jump);

@@ -20,7 +20,7 @@ pub fn hermite(from: &State, to: &State, theta: f64, q: &mut [f64], v: &mut [f64
     let [h00, h10, h01, h11] = hermite_basis(theta);
     let (s, r) = (theta, 1.0 - theta);
     let inv_h = if h > 0.0 { 1.0 / h } else { 0.0 };
-    // Lengths that the compiler knows to be one need no checks inside.
+    // Equal slice lengths let the compiler omit bounds checks.
     let n = q.len();
     let (v, q0, v0) = (&mut v[..n], &from.q[..n], &from.v[..n]);
     let (q1, v1) = (&to.q[..n], &to.v[..n]);

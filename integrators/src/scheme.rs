@@ -103,7 +103,7 @@ impl FromStr for SchemeRequest {
                 ));
             }
             (false, _) | (true, Stepping::Fixed) => Resolution::Step(x),
-            // Of a method that can do both a bare number is the tolerance.
+            // For a method with fixed and adaptive steps a bare number is the tolerance.
             (true, _) if x < 1.0 => Resolution::Tolerance(x),
             (true, _) => {
                 return wrong("a tolerance is less than 1; a step has a unit, as in @1us".into());

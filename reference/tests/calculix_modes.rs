@@ -223,7 +223,7 @@ fn two_hundred_modes_of_a_generated_gear() {
         ..GearParams::default()
     })
     .unwrap();
-    // As `calculix/modal/SOURCE.md` says.
+    // Parameters of the mesh as in `calculix/modal/SOURCE.md`.
     let params = GearMeshParams {
         kind: ElementKind::C3D8,
         tooth: Tooth {

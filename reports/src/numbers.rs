@@ -70,7 +70,7 @@ pub fn digits_apart(values: &[f64], least: usize) -> usize {
         let back = |text: &String| text.parse().unwrap_or(f64::NAN);
         (texts(digits).iter().zip(values)).all(|(t, x)| (back(t) - x).abs() <= 5e-4 * x.abs())
     };
-    // Seventeen digits tell any two numbers apart.
+    // Seventeen digits distinguish any two numbers.
     let all = different(texts(17));
     (least.max(1)..17)
         .find(|&digits| different(texts(digits)) == all && kept(digits))

@@ -92,7 +92,8 @@ pub fn carry(
     let scene =
         scene_file::load_uncalibrated(name, Selection::None).map_err(|e| other(&e.to_text()))?;
     let full = |c: &&ModelChoice| properties_of(models(), &c.model).full_order;
-    // Those of the plain name come first: others show what their contact does.
+    // A model with the label `fe` takes precedence over other full finite elements, whose labels name a variant of the
+    // contact.
     let named = scene.model("fe").filter(full);
     let fe = named.or_else(|| scene.models.iter().find(full));
     let rigid = scene.models.iter().find(|c| c.model == "rigid");

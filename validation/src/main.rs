@@ -174,7 +174,7 @@ fn print(set: &str, number: usize) -> Result<CommandResult, Refusal> {
 fn reduce(args: &arguments::Reduction) -> Result<CommandResult, Refusal> {
     let set = sampling::set(&args.set).map_err(refuse_sample)?;
     let [first, last] = args.scenes.unwrap_or([1, set.scenes]);
-    // A campaign of hours that is killed goes on with the same command.
+    // A killed campaign continues with the same command.
     let kept = args.out.with_extension(JOURNAL);
     let subject = Subject {
         study: "validation".into(),
@@ -197,7 +197,7 @@ fn reduce(args: &arguments::Reduction) -> Result<CommandResult, Refusal> {
                 .join(", ")
         ));
         rows.push(row);
-        // What is finished stays when the rest is stopped.
+        // Finished results are kept when the rest is stopped.
         std::fs::write(&args.out, reduction::csv(&rows))
             .map_err(|e| Refusal::Files(format!("{}: {e}", args.out.display())))?;
     }

@@ -4,13 +4,13 @@
 //! `GEARBENCH_UPDATE_GOLDEN=1 cargo test --release --locked --workspace --lib documents` writes the pages.
 
 use super::Cli;
-use super::command_line::split;
+use super::document_commands::{commands, documents};
 use crate::models::models;
 use crate::scene_file::reading::keys::tables;
 use clap::CommandFactory;
 use gearbench_integrators::table::{FREE_FLIGHT, METHODS};
 use std::fmt::Write as _;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 const NOTE: &str = "This page is generated from the program; a test compares it.";
 
@@ -153,80 +153,22 @@ fn pages_are_those_of_the_program() {
     }
 }
 
-/// All Markdown files of a folder and those below it.
-fn pages(folder: &Path, found: &mut Vec<PathBuf>) {
-    for entry in std::fs::read_dir(folder).unwrap() {
-        let path = entry.unwrap().path();
-        match path.extension() {
-            _ if path.is_dir() => pages(&path, found),
-            Some(e) if e == "md" => found.push(path),
-            _ => {}
-        }
-    }
-}
-
-/// The words of a command line of a document, whose quotes are double or single and whose comments begin with ` #`.
-fn words(line: &str) -> Vec<String> {
-    // In examples of a help text two blanks stand before what the command does.
-    let line = line.split("  ").next().unwrap_or_default();
-    let line = line.split(" #").next().unwrap_or_default();
-    let line = line.split(['|', '>', ';', '&']).next().unwrap_or_default();
-    let line = line.replace('"', "'");
-    [vec!["gearbench".to_owned()], split(line.trim())].concat()
-}
-
-/// Command lines of `gearbench` in a document: lines of its code blocks, and code within text.
-fn commands(text: &str) -> Vec<Vec<String>> {
-    let mut found = Vec::new();
-    let mut inside = false;
-    let program = |line: &str| line.starts_with("gearbench ") || line == "gearbench";
-    for line in text.lines() {
-        if line.trim_start().starts_with("```") {
-            inside = !inside;
-        } else if inside {
-            let line = line.trim_start();
-            let line = line.strip_prefix("$ ").unwrap_or(line);
-            let line = line
-                .strip_prefix("cargo run --release -- ")
-                .map_or(line.into(), |rest| format!("gearbench {rest}"));
-            // A command that goes on in the next line is not read.
-            let whole = program(&line) && !line.ends_with('\\');
-            found.extend(whole.then(|| words(&line)));
-        } else {
-            let code = line.split('`').skip(1).step_by(2);
-            // In a sentence a command may lack its arguments.
-            found.extend(
-                code.filter(|c| program(c))
-                    .map(|c| [words(c), vec!["--help".into()]].concat()),
-            );
-        }
-    }
-    // Words in capitals, dots and brackets stand for something else.
-    let stands = |w: &String| {
-        w.contains("...") || w.contains(['[', '$']) || w.chars().all(|c| c.is_ascii_uppercase())
-    };
-    found.retain(|words| !words.iter().any(stands));
-    found
-}
-
 #[test]
 fn commands_of_the_documents_are_understood() {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
-    let mut all = vec![root.join("README.md"), root.join("CONTRIBUTING.md")];
-    all.push(root.join("benchmarks/scenes/README.md"));
-    pages(&root.join("docs"), &mut all);
-    pages(&root.join("examples"), &mut all);
     let mut checked = 0;
-    for page in all {
+    for page in documents() {
         let text = std::fs::read_to_string(&page).unwrap();
         for command in commands(&text) {
             checked += 1;
-            if let Err(e) = Cli::read(command.iter().map(String::as_str)) {
+            // In a sentence a command may lack its arguments.
+            let help = (!command.in_block).then_some("--help");
+            let words = command.words.iter().map(String::as_str).chain(help);
+            if let Err(e) = Cli::read(words) {
                 assert!(
                     !e.use_stderr(),
                     "{}: `{}`\n{e}",
                     page.display(),
-                    command.join(" ")
+                    command.words.join(" ")
                 );
             }
         }

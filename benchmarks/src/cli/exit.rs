@@ -76,7 +76,7 @@ ends with 1, as one beyond the tolerance does; `except` names models that are le
         };
         // A comparison that asks for no tolerance shows errors, whatever they are.
         let asked = results.tolerance.is_some() || results.study() != Study::Compare;
-        // What the tolerance of the scene did not judge has not passed it.
+        // A run that was not judged by the tolerance of the scene has not passed it.
         let falls_short = |r: &Run| match r.status {
             Status::Inaccurate => true,
             // Other studies have judgements of their own.

@@ -204,7 +204,7 @@ mod tests {
         staged.write_all(b"half of wh").unwrap();
         drop(staged);
         assert_eq!(fs::read_to_string(&path).unwrap(), "before");
-        // What a killed process left goes; what a living one writes stays.
+        // Files of a killed process are removed, those of a running process are kept.
         let (dead, alive) = (
             folder.path().join(".a.csv.1-0.part"),
             folder.path().join(".a.csv.2-0.part"),

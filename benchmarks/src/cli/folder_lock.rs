@@ -167,7 +167,7 @@ mod tests {
             drop(lock);
             assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
         }
-        // What a killed process left is no lock.
+        // The file of a killed process is no lock.
         fs::write(folder.path().join(LOCK), "{\"pid\":1}").unwrap();
         FolderLock::take(folder.path()).unwrap();
     }

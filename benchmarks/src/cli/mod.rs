@@ -2,8 +2,10 @@
 //! commands.
 
 pub mod arguments;
-pub(crate) mod command_line;
+pub mod command_line;
 pub mod command_result;
+#[cfg(test)]
+mod document_commands;
 #[cfg(test)]
 mod documents_tests;
 pub mod exit;

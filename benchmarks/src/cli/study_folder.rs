@@ -250,7 +250,7 @@ impl StudyFolder {
         Ok(answer.ending(match (stopped, self.refused.is_empty()) {
             (true, _) => Exit::Interrupted,
             (false, true) => exit(&results),
-            // Other models ran, but not all that were asked for.
+            // Some of the requested models could not run.
             (false, false) => Exit::FailedRun,
         }))
     }
@@ -303,7 +303,7 @@ impl Drop for StudyFolder {
     /// Removes a journal without finished pieces, and the folders that were created for the study if they are empty.
     fn drop(&mut self) {
         let journal = self.path.join(JOURNAL);
-        // The journal of somebody else is none of this study.
+        // The journal of another process does not belong to this study.
         if self.has_journal && pieces(&journal) == 0 {
             let _ = std::fs::remove_file(journal);
         }
@@ -353,7 +353,7 @@ pub(crate) fn remove_staging(folder: &Path) {
         let pid = name
             .strip_prefix(".staging-")
             .and_then(|p| p.parse::<u32>().ok());
-        // Of a link the link goes, not what it leads to.
+        // A symbolic link is removed itself, not its target.
         let _ = match entry.file_type() {
             _ if pid.is_none() => continue,
             Ok(kind) if kind.is_dir() => std::fs::remove_dir_all(entry.path()),
@@ -448,7 +448,7 @@ fn belongs_to(
     let other = match (kept.study == subject.study, same_scene) {
         (false, _) => "another study",
         (_, false) => "another scene of the same name",
-        // A command line of another version may not be read any more, and says nothing.
+        // The command line of another version may be unreadable; it is then ignored.
         _ if models.is_some_and(|m| m != subject.models) => "another choice of models",
         _ => return Ok(()),
     };

@@ -135,7 +135,7 @@ pub fn end(command: &str, result: Result<CommandResult, Refusal>) -> ExitCode {
         }
     };
     let failed = FAILED.lock().ok().and_then(|mut f| f.take());
-    // Of lines for people a reader may have enough; half of an object is none.
+    // A reader of text lines may close the pipe early; an incomplete JSON object is an error.
     let enough = |e: &io::Error| e.kind() == ErrorKind::BrokenPipe && manner() != OutputForm::Json;
     match failed.filter(|e| !enough(e)) {
         None => exit.into(),

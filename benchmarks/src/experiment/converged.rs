@@ -56,7 +56,7 @@ impl Converged {
         let same =
             (self.by.integrator.parse::<MethodSpec>()).is_ok_and(|m| m.id() == method.method.id());
         let order = method.method.info().order as i32;
-        // What is left of the error of a run, by the resolution of both.
+        // Remaining share of the error of a run, from the resolution of both.
         let left = match (method.resolution, self.by.step, self.by.rtol) {
             (Resolution::Tolerance(own), _, Some(rtol)) => rtol / own,
             (Resolution::Step(own), Some(step), _) if same => (step / own).powi(order),

@@ -186,7 +186,7 @@ impl ForceRecorder {
         let group = std::mem::take(&mut self.group);
         let silent = |s: &Sample| s[1] == 0.0;
         if !group.iter().all(silent) {
-            // Of a smooth force only the ends of a contact may be zero.
+            // A smooth force is zero only at the ends of a contact.
             let inner = &group[1..group.len() - 1];
             let ends = [group[0], last];
             let broken = inner.iter().any(silent)

@@ -406,7 +406,7 @@ mod tests {
             let left = std::fs::read(&file).unwrap();
             assert!(left.ends_with(b"\n") && whole.starts_with(&left));
         }
-        // It goes on where it was cut.
+        // The study continues where the journal was cut.
         let mut journal = open(&folder, false).unwrap();
         journal.store("a", &X).unwrap();
         journal.store("b", &[X, 2.0]).unwrap();

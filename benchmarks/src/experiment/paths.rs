@@ -206,7 +206,8 @@ fn of_mesh(spec: &SceneSpec, grid: &Grid<'_>, m: usize, input: f64) -> MeshPath 
     let carrier = carriers[0].or(carriers[1]);
     let carried = carrier.map(|c| grid.column(Channel::Gear(c, OfGear::HubSpeed)));
     let seen = |k: usize, i: usize| speeds[k][i] - carried.as_ref().map_or(0.0, |c| c[i]);
-    // A planet gets power by its pin as well: its mate, about a fixed axis, tells what the mesh hands over.
+    // The pin also transmits power to a planet. The power of the mesh is therefore taken from the mate, whose axis is
+    // fixed.
     let power = match carriers[0] {
         None => grid.mean(|i| -torques[0][i] * speeds[0][i]),
         Some(_) => grid.mean(|i| torques[1][i] * speeds[1][i]),

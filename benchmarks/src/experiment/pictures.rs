@@ -151,7 +151,7 @@ impl Frame {
         self.force[node] += sign * contact.force;
         let pressure = match (contact.pressure, contact.extent) {
             (Some(line), _) => line.peak,
-            // Where nodes count alike an area of 1 stands for none.
+            // With equal weights of the nodes an area of 1 means that no area is known.
             (None, ContactExtent::Area(area)) if area < 1.0 => contact.normal_force / area,
             _ => 0.0,
         };

@@ -83,7 +83,7 @@ impl Settings {
 
     /// The text of the settings file.
     pub fn text(&self) -> String {
-        // Numbers and texts alone: nothing that JSON lacks.
+        // The settings have numbers and texts only, which JSON can represent.
         serde_json::to_string_pretty(self).unwrap_or_default()
     }
 

@@ -188,7 +188,7 @@ impl Constants {
         }
         let gears = modelling.gears.iter_mut().zip(names);
         for (gear, name) in gears.filter(|(g, _)| g.id == model) {
-            // What is one gear's own comes after what all have.
+            // Parameters of a single gear follow those of all gears, and replace them.
             for own in [false, true] {
                 for (key, value) in &self.parameters {
                     let (of, key) = of_gear(key);

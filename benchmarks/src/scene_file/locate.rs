@@ -27,7 +27,7 @@ impl SceneFile {
         match subject {
             Subject::Scene => model.clone(),
             Subject::Parameter { gear, key, .. } => {
-                // A gear's own table of parameters stands before that of all gears.
+                // A gear's own table of parameters precedes that of all gears.
                 let own = (gear.iter()).map(|g| model.key("gears").key(g).key("parameters"));
                 let mut all = own.chain([model.key("parameters")]).map(|p| p.key(key));
                 (all.find(Place::exists)).unwrap_or_else(|| model.first(&["parameters", "model"]))

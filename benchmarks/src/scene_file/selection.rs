@@ -25,7 +25,7 @@ impl SceneFile {
                 format!("`{}` has {}", self.name, known.join(", ")),
             ));
         }
-        // A label that stands twice is run once.
+        // A repeated label is run once.
         let mut once: Vec<&str> = Vec::new();
         for label in wanted {
             if !once.contains(&label) {

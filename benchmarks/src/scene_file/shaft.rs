@@ -247,7 +247,7 @@ fn carried(
         || keys.spin_terms.is_some();
     let lateral = if sideways {
         let keys = OutOfPlaneKeys {
-            // What no bearing holds is free.
+            // Directions without a bearing are free.
             bearing: Some(keys.bearing.unwrap_or_default()),
             directions: keys.directions,
             mass: keys.mass_kg,

@@ -275,7 +275,7 @@ pub(super) fn tolerance(
     reference_model: Option<&str>,
     at: &Place<'_>,
 ) -> Result<Tolerance, SceneError> {
-    // Models are held against references of the scene's own conditions.
+    // Models are compared with references under the scene's own conditions.
     let own = || references.iter().filter(|r| r.is_of_the_scene());
     let external = own().next().map(|r| r.name.as_str());
     let (metric, limit, against, except) = match choice {

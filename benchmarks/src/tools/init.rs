@@ -103,7 +103,7 @@ pub fn run(args: &Init) -> Result<CommandResult, Refusal> {
 fn write(files: &[(PathBuf, &[u8])], force: bool) -> Result<(), Refusal> {
     let overwriting = ReplaceableFiles {
         inputs: &[],
-        // What it wrote is changed by its user, and is no longer its own.
+        // A file that the user has changed is no longer replaced.
         mark: None,
         force,
     };

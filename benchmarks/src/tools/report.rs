@@ -93,7 +93,7 @@ fn remedy(dir: &Path) -> String {
 /// Rewrites the report of a record.
 pub fn run(args: &Report) -> Result<CommandResult, Refusal> {
     check_record(&args.dir)?;
-    // A folder without a record is refused by what reads it.
+    // The reader refuses a folder without a record.
     let lock = match args.dir.join(RECORD).is_file() {
         true => Some(FolderLock::take(&args.dir)?),
         false => None,

@@ -18,7 +18,7 @@ pub unsafe extern "C" fn fmi3SetDebugLogging(
     _count: usize,
     _categories: *const *const c_char,
 ) -> Status {
-    // Errors alone are told of, and always.
+    // Only errors are logged, whatever the debug setting.
     unsafe { with(instance, "fmi3SetDebugLogging", |_| Ok(())) }
 }
 

@@ -45,7 +45,7 @@ fn bad_calls_end_in_errors() {
     refused(fmu.try_step(1.0, 1e-5), "the instance is at 0 s");
     refused(fmu.try_set("pinion.speed", 1.0), "cannot be set");
     refused(fmu.try_get_integer(0), "no variables of type Int32");
-    // And the instance goes on.
+    // The instance remains usable.
     fmu.step(0.0, 1e-5);
     assert_eq!(fmu.get("time"), 1e-5);
 }
@@ -66,7 +66,7 @@ fn a_terminated_instance_neither_steps_nor_changes() {
     refused(fmu.try_step(1e-5, 1e-5), "terminated");
     refused(fmu.try_set("pinion.torque", 1.0), "terminated");
     refused(fmu.try_terminate(), "terminated");
-    // What it reached is read, and a reset begins anew.
+    // The values it reached can be read; a reset restarts the instance.
     assert_eq!(fmu.get("time"), 1e-5);
     fmu.reset();
     fmu.initialise(0.0);

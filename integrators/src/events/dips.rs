@@ -93,7 +93,7 @@ mod tests {
         for (a, b) in [(0.2, 0.3), (0.6, 0.95), (0.05, 0.9), (0.49, 0.51)] {
             let g: [Function<'_>; 2] = [&|_| 1.0, &|x| 3e-5 * (x - a) * (x - b)];
             let (mut w, dipped) = watch(&g);
-            // Of the last, a thousandth of the drop, there is hardly anything.
+            // The last thousandth of the drop is negligible.
             assert_eq!(dipped, b - a > 0.03, "{a} {b}");
             if !dipped {
                 continue;

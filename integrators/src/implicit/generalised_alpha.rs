@@ -338,7 +338,7 @@ impl OneStep for GeneralisedAlpha {
             }
             // Rounding stalls the correction before it meets the tolerance on stiff systems.
             let stalled = size > 0.5 * previous && size < 1e3 * NEWTON_TOLERANCE;
-            // Corrections that shrink steadily say how small the next one would be: no need to see it.
+            // Steadily decreasing corrections bound the next one, which then need not be computed.
             let rate = size / previous;
             let next_is_small = previous.is_finite()
                 && length == 1.0

@@ -73,7 +73,7 @@ fn limits_on_the_axes_are_those_of_the_literature() {
         (0.99..1.0).contains(&y) && rest.abs() < 1e-8,
         "{y} {rest:e}"
     );
-    // A ray scales, and what grows by itself is left out.
+    // A ray is scaled; systems that are unstable themselves are left out.
     close(
         first_exit(&rk4, [0.0, 50.0]),
         8.0_f64.sqrt() / 50.0,

@@ -360,7 +360,7 @@ mod tests {
         let given = 5.0 / 12.0 - 17.0 / 240.0 * x * x;
         let error = (quasi_static_of(x / h, h, 0.0) / (h * h) / given - 1.0).abs();
         assert!(error < 1e-8, "all filtered: {error:e}");
-        // Where an oscillator is not seen, all of it is left out.
+        // An oscillator without influence is left out completely.
         let omega = std::f64::consts::PI / h;
         close(
             quasi_static_of(omega, h, from) * omega * omega,

@@ -321,7 +321,7 @@ impl OneStep for Trigonometric {
                 return;
             }
             let sizes = x.iter().zip(&scales).map(|(x, scale)| (x / scale).abs());
-            // A maximum drops what is not a number, a sum keeps it.
+            // `max` ignores NaN, a sum propagates it.
             let size: f64 = sizes.sum();
             if size.is_nan() || size >= smallest.max(1.0) {
                 return;
@@ -493,7 +493,7 @@ impl OneStep for Trigonometric {
         let (s, r) = (theta, 1.0 - theta);
         let whole = self.tables.get(self.table);
         if kicked {
-            // The constant load over the whole step leaves (dq, dv) to be made up.
+            // The constant load over the whole step leaves the difference (dq, dv).
             whole.load(&from.q, &from.v, load, (&mut *q, &mut *v));
             let (sq, svq) = (s * s * (3.0 - 2.0 * s), -h * s * s * r);
             let (vq, vv) = (6.0 * s * r / h, s * (3.0 * s - 2.0));

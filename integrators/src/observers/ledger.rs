@@ -175,7 +175,7 @@ impl Ledger {
             external += weight * h * self.out.power.external;
             damped |= self.out.power.dissipated > 0.0;
         }
-        // Where the system knows the work itself, no swinging spoils it.
+        // Work that the system computes itself has no quadrature error from oscillations.
         if let Some(work) = sys.steady_work(step.from.at(), step.to.at()) {
             external = work;
         }
@@ -206,7 +206,7 @@ impl Ledger {
     /// Books a step by the powers at both ends.
     fn between(&mut self, sys: &mut dyn SecondOrderSystem, step: &AcceptedStep<'_>) {
         let half = 0.5 * (step.to.t - step.from.t);
-        // What was switched or committed since the last step acts from here on.
+        // Changes that were switched or committed since the last step act from here on.
         if self.known.as_ref() != Some(step.from) {
             sys.output(step.from.at(), &mut self.out);
             self.know(step.from);

@@ -110,7 +110,7 @@ impl<M: OneStep> Stepped<M> {
                 sink.restarted(sys, &r.event, s);
             }
         }
-        // What the method keeps belongs to the start of the path.
+        // The data stored by the method belong to the start of the path.
         self.segments.left = true;
         let progressed = s.t - start > 1e-12 * (r.plan.t_end - r.t_begin);
         r.go_on(s, !progressed)?;

@@ -160,7 +160,7 @@ fn a_load_at_rest_presses_alike_at_every_step() {
                 load: vec![0.3, 0.0],
                 ..SpringLoadedOscillators::body(gives)
             };
-            // One step tells the quasi-static correction.
+            // A single step shows the quasi-static correction.
             body.gives = true;
             body.after(state(&[0.0; 2], &[0.0; 2]), h, 1.0);
             let quasi_static = std::mem::replace(&mut body.quasi_static, vec![0.0; 2]);

@@ -286,7 +286,7 @@ impl HubBody {
         };
         let motion = self.hub.motion(at.t, at.q, at.v);
         let own = (self.hub.moving(), false);
-        // What spin terms couple with the own motion is left to the iteration.
+        // The coupling of spin terms with the own motion is left to the iteration.
         lateral.correct(own, &motion, [c.m, c.d, c.k], (self.hub.inertia, 0.0), x)
     }
 

@@ -178,7 +178,7 @@ impl Gear {
             let [e, by_roll, bend, by_zeta] = at;
             return [e, by_roll, bend, by_zeta * per_height];
         }
-        // Modifications go by the radius less what the tip cone has risen.
+        // Modifications depend on the radius less the rise of the tip cone.
         let base = self.flank(side).base_radius;
         let (radius, cone) = (base.hypot(roll), self.params().tip_cone_angle.tan());
         let below = radius - height * cone;

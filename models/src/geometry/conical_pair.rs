@@ -133,7 +133,7 @@ impl ConicalPair {
             for k in 0..2 {
                 let m = &pair.members[k];
                 let turned = side.sign() * (pair.angles[i][k] - m.towards);
-                // Of whichever tooth is nearest.
+                // Path coordinate of the nearest tooth.
                 let found = maps[k].s(near.roll[k]) / m.r_base - turned - alpha;
                 pair.turned[i][k] = ((found - m.half_angle) / m.pitch).round() * m.pitch;
                 pair.half_angles[k][i] = found - pair.turned[i][k];

@@ -302,7 +302,7 @@ fn draw(tolerance: IsoTolerances, seed: u64, of: &Toothing) -> GivenDeviations {
     };
     given.runout = tolerance.runout * random.even(0.25, 1.0);
     given.runout_direction = random.even(0.0, TAU);
-    // What a measurement of the pitches sees, the eccentricity with it.
+    // Measured pitch deviations include the eccentricity.
     let used = Side::BOTH.map(|side| {
         let seen = seen_pitches(&given, side, of);
         let (low, high) = seen

@@ -147,7 +147,7 @@ pub(super) fn profile(
     let tip_roll = ((r_tip - r_base) * (r_tip + r_base)).sqrt();
     let half_tip = chi + inv_of_tangent(tip_roll / r_base);
     if half_tip <= 0.0 {
-        // Where the flanks meet: inv(alpha) = -chi.
+        // Pressure angle at the intersection of the flanks: inv(alpha) = -chi.
         let r_pointed = r_base / super::involute::inv_inverse(-chi).cos();
         return Err(GeometryError::PointedTooth {
             r_tip,

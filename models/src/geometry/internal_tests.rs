@@ -112,7 +112,7 @@ fn the_tooth_space_is_what_the_cutter_leaves() {
             let a = lo * f64::from(k) / 60.0;
             [r_tip * a.cos(), r_tip * a.sin()]
         }));
-        // Of the involute what lies below the place that the arc touches.
+        // Points of the involute below the end of the root arc.
         let from_arc = |q: &[f64; 2]| (q[0] - centre[0]).hypot(q[1] - centre[1]);
         let last = (0..flank.len())
             .min_by(|i, j| from_arc(&flank[*i]).total_cmp(&from_arc(&flank[*j])))

@@ -157,7 +157,7 @@ impl Rack {
     /// Returns the area (m^2) of one pitch of the transverse section: tooth, fillets and body.
     fn pitch_area(&self) -> f64 {
         let (ha, form, root) = (self.tip_height(), self.form_depth(), self.root_depth());
-        // Straight part: its mean half thickness stands at mid height.
+        // Straight part: its mean half thickness is at mid height.
         let straight = 2.0 * (ha + form) * self.half_thickness_on_flank(0.5 * (ha - form));
         // Fillet: pitch minus the tool tip, a flat of half length w_c and a circular segment of
         // opening angle pi/2 - alpha_n, stretched by 1/cos(beta) along the rack.

@@ -85,7 +85,7 @@ impl Topography {
         if let Some([low, high]) = self.radii {
             positive(Quantity::TopographyRadius, low)?;
             positive(Quantity::TopographyRadius, high)?;
-            // A measurement may end a hair beyond the flank that the tool leaves.
+            // A measurement may extend slightly beyond the flank that the tool generates.
             let slack = 1e-3 * (radii[1] - radii[0]);
             if low >= high || low < radii[0] - slack || high > radii[1] + slack {
                 return refuse(

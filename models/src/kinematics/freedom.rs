@@ -89,7 +89,7 @@ impl OutOfPlane {
                 Freedom::Fixed => {}
                 Freedom::Free => {
                     motion.x[d] = q[next];
-                    // Whoever asks for the place alone brings no rates.
+                    // For the position alone the rates are empty.
                     motion.v[d] = v.get(next).copied().unwrap_or(0.0);
                     next += 1;
                 }

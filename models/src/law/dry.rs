@@ -85,7 +85,7 @@ impl DryFriction {
             FrictionForm::StickSlip(length) => {
                 let [x0, z0] = start;
                 let way = x - x0;
-                // At the place itself the motion tells what comes.
+                // Without displacement the velocity determines the direction.
                 let s = if way == 0.0 { v } else { way }.signum();
                 let left = (z0 - s) * (-way.abs() / length).exp();
                 Part {

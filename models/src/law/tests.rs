@@ -402,7 +402,7 @@ fn stick_slip_friction_holds_and_slides() {
         assert!((f.df_dn - f.f / n).abs() < 1e-15);
         assert!(friction.after(before, 1e3).part(v).0.abs() <= 1.0);
     }
-    // At rest it holds what it held.
+    // At rest the friction force is unchanged.
     assert!((friction.after(0.3, 5.0).part(0.0).0 - 0.3).abs() < 1e-15);
     assert!(Friction::of_form(mu, FrictionForm::StickSlip(0.0)).is_err());
 }

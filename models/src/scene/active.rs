@@ -244,7 +244,7 @@ pub(super) struct ContactCoupling {
 /// Computes the tangent of a contact, without the curvature of its stiffness along the path.
 pub(super) fn tangent(law: &Law, c: &Candidate, a: &Active, row: &Row, v: &[f64]) -> Tangent {
     let force = &a.force;
-    // Of flanks in space the rows' own change is left to differences.
+    // The change of the rows of spatial flanks is computed by differences.
     let plain = c.along.is_some() || (c.stiffness_s == 0.0 && c.curvature == [0.0; 2]);
     let elastic = law.undamped().smooth(a.gap, 0.0, 0.0, c.stiffness);
     if plain {

@@ -206,7 +206,7 @@ impl Scene {
                     &geometry,
                     (lines, law),
                 )?;
-                // Nodes may stand off the involute: the foremost ones count.
+                // Nodes may deviate from the involute; those that protrude most determine the contact.
                 let clearances = search
                     .clearance([0.0; 2])
                     .map_or_else(Vec::new, |c| c.lines().to_vec());
@@ -352,7 +352,7 @@ impl Scene {
             model.displacement().is_some() || (model.teeth().is_none() && model.flanks().is_none())
         };
         let mut damped = meshes.iter().filter(|m| m.nodal && m.dissipates());
-        // Ports of a kick know one motion of a hub.
+        // The ports of a half-step impulse have one degree of freedom per hub.
         let sideways = gears.iter().any(|g| g.model.hub().lateral.is_some());
         let implicit_dissipation = diagonal
             && sets.is_empty()
@@ -389,7 +389,7 @@ impl Scene {
             fields,
             in_space,
             condenses,
-            // What a rigid shaft joins has no mass of its own.
+            // Gears joined by a rigid shaft share one mass.
             implicit_dissipation: implicit_dissipation && shafts.rigid().is_empty(),
             remembers,
             locates,

@@ -32,7 +32,7 @@ impl Scene {
             if !pairs.couples() {
                 continue;
             }
-            // Those of a line stand one after another.
+            // Contacts on one line of action are consecutive.
             for (j, b) in active.iter().enumerate().skip(i + 1) {
                 let [of_a, of_b] = [a, b].map(|x| &self.work.candidates[x.candidate]);
                 if b.mesh != a.mesh || !pairs.on_one_line(of_a, of_b) {
@@ -126,7 +126,7 @@ impl Scene {
                 }
             }
         }
-        // Columns of G, then how elastic forces answer: H = I + K G.
+        // Columns of G, then the response of the elastic forces: H = I + K G.
         let unit = |i: usize, j: usize| f64::from(u8::from(i == j));
         let mut g = [0.0; MOST * MOST];
         for column in 0..n {

@@ -72,7 +72,7 @@ impl Scene {
                 None => (0..grid.rows)
                     .map(|r| pose.point(&grid.positions[place(r)]))
                     .collect(),
-                // Displacements count from the rigid motion that the nodes tell.
+                // Displacements are relative to the rigid motion that the nodes determine.
                 Some(_) => {
                     let mut found = vec![Vec3::zeros(); nodes.len()];
                     surface.nodes.positions(own, &nodes, &mut found);

@@ -67,7 +67,7 @@ impl Scene {
             let modes = at.discrete[m.modes()].chunks_exact(2);
             !m.clearances.is_empty() && modes.into_iter().all(|mode| mode[0] == 0.0)
         };
-        // What stands on a shaft or a carrier does not fly by itself.
+        // Gears on a shaft or a carrier have no closed-form flight.
         let alone = self.shafts.is_empty() && self.carriers.is_empty();
         if !alone || !self.meshes.iter().all(open) {
             return at.t;
@@ -107,7 +107,7 @@ impl Scene {
                 shortest = shortest.min(first_zero(gap, rate, acceleration));
             }
         }
-        // What rounding may make of the root.
+        // Margin for the rounding error of the root.
         shortest * (1.0 - 1e-9)
     }
 
@@ -163,7 +163,7 @@ impl Scene {
         for (i, g) in self.gears.iter().enumerate() {
             let share = g.model.hub().vibration_cut_off;
             let reference = self.coming_impact(i);
-            // A partner that is held as well has no reduced mass to meet.
+            // A pair in which both hubs are fixed has no reduced mass.
             let below = self.flights[i].energy < share * reference && reference.is_finite();
             let Some(load) = g.steady_load(s.t).filter(|_| below) else {
                 continue;

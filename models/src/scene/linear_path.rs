@@ -296,7 +296,7 @@ impl Scene {
 /// Returns the time at which an open flank in flight closes [s]: its gap falls to zero, or, while it still overlaps
 /// after a release with a damper, its force rises to zero.
 fn touches([g, rate, acceleration]: [f64; 3], k: f64, c: f64) -> f64 {
-    // A gap that rounding leaves a hair beside zero belongs to the side that its rate leads to.
+    // A gap within rounding of zero counts to the side in which its rate points.
     let parts = crosses(g, rate, acceleration, false);
     if g > 0.0 || (g == 0.0 && rate >= 0.0) {
         return crosses(g, rate, acceleration, true);

@@ -193,7 +193,7 @@ impl Scene {
         for a in &nodal.active {
             let p = &nodal.found.points[a.point];
             let mesh = &self.meshes[p.mesh as usize];
-            // Of the law, and of the residual compliance that gave way under it.
+            // Energy of the contact law, and of the residual compliance.
             let of_law = if mesh.hard {
                 0.0
             } else {
@@ -205,7 +205,7 @@ impl Scene {
             }
             power.external -= a.force.n
                 * match a.of_line {
-                    // The hub feels what the potential changes by along the path as well.
+                    // The hub force includes the change of the potential along the path.
                     Some(_) => self.driven_drift(mesh, a.effective_radii, at),
                     None => self.nodal_drift(a, (a.direction, a.tapered_gap), at),
                 };
@@ -278,7 +278,7 @@ impl Scene {
                 }
             }
             self.add_links_on(i, &mut forces, &mut contact);
-            // Pins are seen from the carrier, bearings on the ground from there.
+            // Pin forces are relative to the carrier, bearing forces relative to the ground.
             let pinned = self.carriers.carries(i);
             let own = g.at(if pinned { carrier_state } else { at });
             if pinned {

@@ -153,7 +153,7 @@ pub(super) fn check_start(
             continue;
         }
         if closes {
-            // The nearer of the two flanks tells how far off the teeth are.
+            // The smaller gap of the two flanks is the distance of the teeth.
             let overlap = Side::BOTH.map(|side| -loa.assembled_gap(side));
             let least = overlap[0].max(overlap[1]).min(l.base_pitch + gap);
             let angle = least / effective_radius(&b.body);

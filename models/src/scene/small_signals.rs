@@ -121,7 +121,7 @@ impl Scene {
         let mut stiffness = by_columns(self.n, |x, y| self.mechanism_times(at, x, &[], y));
         let own = (0..self.n).map(|i| stiffness[(i, i)] / mass[(i, i)]);
         let typical = Some(own.fold(0.0, f64::max)).filter(|x| *x > 0.0);
-        // Meshes as stiff as the rest, so that neither is lost beside the other.
+        // Meshes as stiff as the rest, so that neither is lost in rounding.
         let rows = self.mesh_rows(at);
         let meshes: Vec<MeshSpring> = (rows.into_iter())
             .map(|row| {

@@ -117,7 +117,7 @@ impl PointContact {
         PointContact {
             rule,
             hard: true,
-            // Nothing but the areas of the points is asked for.
+            // Only the areas of the points are used, so the penalty is arbitrary.
             ..PointContact::new(1.0)
         }
     }

@@ -171,7 +171,7 @@ impl ShaftSpec {
             )));
         }
         let rigid = self.sections.is_empty();
-        // A carrier may stand alone.
+        // A carrier may be the only body of a shaft.
         let carries = self.bodies().any(|b| !b.planets.is_empty());
         if self.stations.len() < 2 && rigid && !carries {
             return Err(self.refuse((

@@ -223,7 +223,7 @@ impl Side {
         pitches: usize,
         warnings: &mut Vec<StiffnessWarning>,
     ) -> Side {
-        // The fit knows no rack, and the rack then no body at all.
+        // The fit has no rack, whose body then has no compliance.
         let none = matches!(foundation, Foundation::SainsotVelex(_) | Foundation::Rigid);
         if matches!(foundation, Foundation::SainsotVelex(_)) {
             warnings.push(StiffnessWarning::RackFoundationOmitted);

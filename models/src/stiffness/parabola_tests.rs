@@ -48,7 +48,7 @@ fn a_parabola_that_is_not_positive_is_refused() {
         let refused = parabola(1e8, along, PairOrMesh::Pair, &PATH).unwrap_err();
         assert!(refused.to_string().contains("not positive"), "{along:?}");
     }
-    // Least at xi = -0.5: 1 - 4/4 < 0 but for what is added.
+    // The minimum is at xi = -0.5: 1 - 4/4 plus the added term.
     assert!(parabola(1e8, [4.1, 4.1], PairOrMesh::Pair, &PATH).is_err());
     assert!(parabola(1e8, [3.9, 3.9], PairOrMesh::Pair, &PATH).is_ok());
 }

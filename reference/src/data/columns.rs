@@ -233,7 +233,7 @@ pub(super) fn columns(
             (Some(given), _) => Some(given.to_owned()),
             (None, unit) => unit,
         };
-        // A name that says cycles needs no unit.
+        // A column name with the word `cycle` needs no unit.
         let cycles = role == Role::Time && plain(&name).contains("cycle");
         let unit = unit.or_else(|| cycles.then(|| CYCLES[0].to_owned()));
         let unit = match unit {

@@ -107,7 +107,7 @@ impl Numbers {
             false => cell.parse::<f64>(),
         };
         match number {
-            // Squares of what is larger are not finite.
+            // Squares of larger numbers overflow.
             Ok(x) if (factor * x).abs() < 1e150 => Ok(factor * x),
             Ok(_) => Err((
                 "a finite number",

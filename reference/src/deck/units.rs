@@ -278,7 +278,7 @@ mod tests {
             deck::read_str_in("a.inp", BRICK, Some(Units::SI), &mut |_| unreachable!()).unwrap();
         assert_eq!((given.units, given.nodes[1].x), (Units::SI, 20.0));
         assert_eq!(given.units_from, "as given");
-        // What the material says is named beside units that are given against it.
+        // A conflict between the given units and those of the material is reported.
         let steel = "*MATERIAL, NAME=m\n*ELASTIC\n2.1e5, .3\n*DENSITY\n7.85e-9\n";
         let text = format!("{BRICK}{steel}");
         let against =

@@ -106,7 +106,7 @@ impl NumberedGear<'_> {
             for (nodes, label) in block.elements().zip(&mut labels) {
                 write!(out, "{label}")?;
                 for (i, n) in nodes.iter().enumerate() {
-                    // A line may have 16 entries; one that ends with a comma goes on.
+                    // A line has at most 16 entries; a comma at its end continues it.
                     let gap = if i == 10 { ",\n" } else { ", " };
                     write!(out, "{gap}{}", n + self.first_node)?;
                 }

@@ -87,7 +87,7 @@ fn rigid_motions_need_no_force_and_mass_is_volume_times_density() {
         let volume: f64 = m.iter().sum::<f64>() / Material::STEEL.density;
         let mesh = Mesh::new(kind, x, (0..n as u32).collect());
         let expected = quality(&mesh).volume;
-        // The axis of a wedge sees no more than its mean section.
+        // On the axis of a wedge only the mean section matters.
         let bound = if kind == ElementKind::C3D6 {
             0.01
         } else {

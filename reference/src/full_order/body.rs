@@ -180,7 +180,7 @@ impl Body {
         if driven {
             assembly.mass.decouple(|node| place[node] == Tie::HELD);
         }
-        // Of several motions what is added is another matter.
+        // With several directions of motion the added inertia is a matrix.
         let added: Vec<f64> = match motions {
             [_] => vec![added_inertia],
             all => vec![0.0; all.len()],

@@ -151,7 +151,7 @@ impl Border {
         if hub.is_free() {
             matrix[(0, 0)] += c.d * hub_damping;
         }
-        // What rounds the condensed matrix leaves its inverse symmetric.
+        // Rounding of the condensed matrix leaves its inverse symmetric.
         let matrix = 0.5 * (matrix + matrix.transpose());
         Ok(BorderState {
             frame: frame_pose.frame(),

@@ -322,7 +322,7 @@ impl FullOrder {
             linear += p;
             angular += (frame_pose.turn * y).cross(&p);
         }
-        // What is added stands at the origin.
+        // The added mass is at the origin of the frame.
         let [spin, _] = frame_pose.spin();
         let axes = self.hub.axes.map(|a| frame_pose.turn * a);
         linear += self.body.added.0 * frame_pose.velocity(&Vec3::zeros());

@@ -160,7 +160,7 @@ impl GearModel for FullOrder {
         let Some((corners, weights)) = self.corners(p) else {
             return 0.0;
         };
-        // The nodes say all of a point's motion but what lies above their face, which turns with the hub.
+        // The nodes describe the motion of a point except for its height above their face, which rotates with the hub.
         let mut prescribed = 0.0;
         if self.held().is_some() {
             let bulge = self.bulge(at, p, &corners, &weights);

@@ -65,7 +65,7 @@ fn flanks_of_a_ring_lie_on_the_involute_helicoid() {
             assert!((r(f.rows - 1) - g.r_tip()).abs() < 1e-12);
             for x in &f.positions {
                 let (r, centre) = (x.xy().norm(), f64::from(f.tooth) * g.pitch_angle());
-                // Seen from the root, left is clockwise.
+                // Viewed from the root, left is clockwise.
                 let angle = centre + twist * x.z - f.side.sign() * g.half_angle_at(r);
                 let exact = Vec3::new(r * angle.cos(), r * angle.sin(), x.z);
                 assert!((x - exact).norm() < 1e-12, "{} {:?}", f.tooth, f.side);

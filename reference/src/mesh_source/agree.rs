@@ -121,7 +121,7 @@ fn of_gear(found: &RecognisedGear, said: &Gear) -> Option<Disagreement> {
         ),
     ];
     let bore = said.params().bore_radius;
-    // A gear without a bore says nothing of it.
+    // A gear without a bore has no bore radius to compare.
     if bore > 0.0 {
         lengths.push(("bore radius", "`bore_radius_m`", found.bore.radius, bore));
     }

@@ -237,7 +237,7 @@ pub fn along(skin: &Skin<'_>, corners: &[u32], direction: Vec3) -> Option<(Axis,
         .collect();
     hull.sort_unstable();
     hull.dedup();
-    // Kasa's circle, then again without what stands off it.
+    // Circle by Kasa's method, repeated without outliers.
     let mut circle = kasa(hull.iter().map(|&i| seen[i]))?;
     for _ in 0..3 {
         let off = |i: &usize| {

@@ -211,7 +211,7 @@ pub fn recognise(skin: &Skin<'_>, known: &SpecifiedBody) -> Result<RecognisedGea
                 known.same_flanks(active, height)?;
                 return Ok(found);
             }
-            // What was said of a direction where more was found counts for more.
+            // Of several refusals the one at the later stage of recognition is reported.
             Err(e) => refused = refused.max(Some(e)),
         }
     }
@@ -256,7 +256,7 @@ fn about(
         .ok_or_else(|| no(1, "a toothed outside, but no bore"))?;
     let teeth = teeth::count(skin, &polar, shell, known.teeth).map_err(|why| (2, why))?;
     let found = |given| Flanks::found(skin, &axis, &polar, shell, &teeth, given);
-    // Where nothing lies between the radii that are said, what is found says where the flanks are.
+    // If no flank lies between the given radii, the flanks that are found without them name the correct radii.
     let flanks = found(known.flanks)
         .or_else(|| known.flanks.and_then(|_| found(None)))
         .ok_or_else(|| no(3, "teeth whose sides are no involutes about the axis"))?;

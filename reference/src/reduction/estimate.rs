@@ -164,7 +164,7 @@ impl<'a> Impacts<'a> {
         let mut history = Vec::with_capacity(SAMPLES);
         for _ in 0..SAMPLES {
             for _ in 0..per_sample as usize {
-                // Kick, drift, kick: two half kicks at a place are one.
+                // Leapfrog integration: two successive half impulses at one position are combined.
                 rate -= h * f / self.mass;
                 approach += h * rate;
                 let mut outward = 0.0;

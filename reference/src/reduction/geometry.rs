@@ -89,7 +89,7 @@ impl Toothing {
                 let twist = median(pairs().map(|(x, n)| -n.z / (x.x * n.y - x.y * n.x)));
                 let points: Vec<FlankPoint> = grids.iter().flat_map(points).collect();
                 involute = Involute::guess(teeth, base, twist).fitted_to_most(&points, FINE * tip);
-                // What a pinion-type cutter was is not told by the gear.
+                // A pinion-type cutter cannot be derived from the gear.
                 tools = (involute.as_ref().filter(|_| !inward)).map_or(Vec::new(), |fit| {
                     readings(fit, [tip, low], NEAR, ToolSpec::default())
                 });
@@ -120,7 +120,7 @@ impl Toothing {
             pressure_angle,
             standard,
             straight,
-            // Seen from the root its half angle is that of the space: of a tooth it tells nothing.
+            // The half angle of an internal flank is that of the tooth space, so that no tooth thickness is reported.
             involute: involute.filter(|_| !inward),
             readings: tools,
         }

@@ -76,7 +76,7 @@ fn of_lattices(
         let Some(faces) = faces(&gear.mesh, grid) else {
             return Ok(None);
         };
-        // Of a row: the mean of its neighbours.
+        // Mean over the neighbouring rows.
         let mean = |row: usize, of: &dyn Fn(&[f64; 2]) -> f64| {
             let (before, after) = (row.saturating_sub(1), row.min(faces.len() - 1));
             0.5 * (of(&faces[before]) + of(&faces[after]))

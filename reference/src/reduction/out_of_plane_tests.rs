@@ -55,7 +55,7 @@ fn holds_no_momentum(b: &Basis, mounting: &Mounting) {
         for d in (0..6).filter(|d| !mounting.lateral[*d]) {
             assert_eq!(lateral(b).hub[mode][d], 0.0);
         }
-        // What accelerates the bearing counts what is added too.
+        // The momentum that accelerates the bearing includes the added mass.
         for d in 0..2 {
             let share = (b.momentum[mode][d] - p[d]).abs() / rigid[d][d].sqrt();
             assert!(share < 1e-9, "mode {mode}, along {d}: {share:e}");
@@ -156,7 +156,7 @@ fn the_rigid_part_is_that_of_the_elements() {
     let b = of_mesh(&bar, &mounting, ModeSelection::Count(30));
     holds_no_momentum(&b, &mounting);
     let body = lateral(&b);
-    // A rack stands beside its reference line: translations and rotations are coupled.
+    // The centre of mass of a rack is not on its reference line, so that translations and rotations are coupled.
     assert!(body.centre[0].abs() > 1e-4, "{:?}", body.centre);
     let assembly = assemble(&bar.mesh, &STEEL).unwrap();
     let motions: Vec<_> = (0..6).map(|d| mounting.motion_of(d)).collect();

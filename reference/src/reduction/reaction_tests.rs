@@ -56,7 +56,7 @@ fn with_all_modes_reactions_are_those_of_the_held_nodes() {
         let n = gear.hub().len();
         let mut q: Vec<f64> = noise(n, 1.0);
         for (i, q) in q.iter_mut().enumerate().skip(rigid) {
-            // So small that what the turning of the deflection adds is not seen.
+            // The amplitudes are small, so that the rotation by the deflection is negligible.
             *q *= 10.0 / basis.omega[i - rigid].powi(2);
         }
         if free {

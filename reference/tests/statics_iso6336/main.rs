@@ -56,7 +56,7 @@ fn single_pair_stiffness_is_that_of_the_norm_within_a_tenth() {
             case.name,
             100.0 * (fe / norm - 1.0)
         );
-        // The law's curve is what the norm says, to its printed digits.
+        // The implemented curve equals the value of the standard to the printed digits.
         assert!((norm - case.iso).abs() < 0.06, "{norm} {}", case.iso);
         assert!((fe / norm - 1.0).abs() < 0.1, "{fe} {norm}");
         // The formulas leave the bore and the third dimension out: stiffer, and within a quarter.

@@ -134,7 +134,7 @@ pub fn draw(
         html! { title { (printable(title)) } }.0
     );
     let mut body = raw.split_once('\n').map_or("", |(_, body)| body).to_owned();
-    // What the backend writes though it is the default, or has no effect.
+    // Attributes of the backend that equal the default or have no effect.
     for idle in [
         " font-family=\"sans-serif\"",
         " opacity=\"1\"",

@@ -69,7 +69,7 @@ fn metrics(view: &View<'_>) -> Markup {
             }
         };
         let mut table = identified(&rows);
-        // The errors of whole histories, then what single numbers are off.
+        // The errors of whole histories, then those of single numbers.
         for m in Metric::ALL.into_iter().filter(|m| m.is_error()) {
             let heading = capital(&m.short());
             table = match m {
@@ -203,7 +203,7 @@ fn ledger(view: &View<'_>) -> Markup {
 /// Renders the table of failed and inaccurate runs with their reasons.
 pub fn failures(view: &View<'_>) -> Markup {
     let mut short = rows(view);
-    // What the tolerance of the scene did not judge has not passed it.
+    // A run that was not judged by the tolerance of the scene has not passed it.
     let gated = view.results.tolerance.is_some();
     short.retain(|(r, ..)| !r.status.holds() || (gated && r.status == Status::Unchecked));
     if short.is_empty() {

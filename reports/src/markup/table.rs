@@ -48,7 +48,7 @@ impl<'r, R> Table<'r, R> {
     }
 
     fn column(mut self, heading: &str, unit: &str, text: bool, cells: Vec<Option<String>>) -> Self {
-        // The first column says which row it is.
+        // The first column identifies the row.
         let rank = match self.columns.is_empty() {
             true => Rank::Key,
             false => Rank::Detail,

@@ -38,7 +38,7 @@ impl<'a> Force<'a> {
     pub fn peak(&self) -> (f64, f64) {
         let at_nodes = |p: &Piece<'_>| p.nodes().fold(0.0_f64, |m, (_, f)| m.max(f));
         let highest = self.pieces.iter().map(at_nodes).fold(0.0, f64::max);
-        // A polynomial rises above its nodes by a part of what it spans.
+        // A polynomial exceeds its nodes by a fraction of its range.
         (self.pieces.iter())
             .filter(|p| at_nodes(p) >= 0.5 * highest)
             .map(Piece::peak)

@@ -114,7 +114,7 @@ impl<'a> FinishedRun<'a> {
 pub fn compare(run: FinishedRun<'_>, reference: &TimeSeries, against: &str) -> Metrics {
     let FinishedRun { series, ledger } = run;
     let target = Target::of(reference);
-    // What a run does after its reference ends cannot be compared with it.
+    // A run cannot be compared after the end of its reference.
     let window = match reference.contact_force_n.is_empty() {
         true => reference.time_s.last().copied().unwrap_or(f64::INFINITY),
         false => target.end(),
@@ -295,7 +295,7 @@ fn transmission_error(series: &TimeSeries, reference: &TimeSeries, peak: f64) ->
     };
     let (own, wanted) = (column(series)?, column(reference)?);
     let n = reference.finite_len();
-    // Without a force nothing says when it acts: then all times count.
+    // Without a force the times of contact are not known, and all times count.
     let acts = |&i: &usize| {
         (reference.contact_force_n.get(i)).is_none_or(|f| *f > CONTACT_THRESHOLD * peak)
     };

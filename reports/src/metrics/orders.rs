@@ -92,7 +92,7 @@ impl CycleHistory {
             }
             match found.cycle.last() {
                 Some(&before) if c < before - 1e-9 => return None,
-                // Both sides of a jump stand at one place.
+                // The two values at a jump have the same abscissa.
                 Some(&before) => found.cycle.push(c.max(before)),
                 None => found.cycle.push(c),
             }

@@ -59,7 +59,7 @@ impl Results {
                 series
                     .validate()
                     .map_err(|e| of_run(format!("series: {e}")))?;
-                // A reference may lack one of these, a run has them all.
+                // A run has all of these columns, a reference may have only some.
                 for (key, column) in [
                     ("series.contact_force_n", &series.contact_force_n),
                     ("series.omega1_rad_s", &series.omega1_rad_s),

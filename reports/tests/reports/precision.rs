@@ -189,7 +189,7 @@ fn fitted_models_are_marked_and_set_apart() {
     let files = contents(dir.path());
     let chart = &files["precision_model.svg"];
     assert!(chart.contains("rigid (fitted)"));
-    // The lead stands in a table, what a fit changes under its own words.
+    // One table shows the leading run; the effect of fits has rows of its own.
     let lead = files[PAGE].split("Residual compliance against").nth(1);
     let lead = lead.and_then(|t| t.split("</section>").next()).unwrap();
     assert!(

@@ -34,7 +34,7 @@ fn a_study_of_modes_names_the_fewest_and_shows_what_failed() {
     // 0.068 / (1 + (n / 14)^2.1) + 0.002 falls below 2 % between 10 and 25 and below 1 % between 35 and 50 modes.
     assert!(finding.contains("25 for 2"), "{finding}");
     assert!(finding.contains("50 for 1"), "{finding}");
-    // What is pointed out is held against the best with no more modes: 0.75 / (1 + 42/45) + 0.05 over 35 modes.
+    // The marked run is compared with the best run of no more modes: 0.75 / (1 + 42/45) + 0.05 over 35 modes.
     assert!(
         finding.contains("Published method, to 80 kHz (42 modes"),
         "{finding}"

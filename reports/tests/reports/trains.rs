@@ -203,7 +203,7 @@ fn paths_of_torque_and_shares_of_planets_are_told() {
         assert!(page.contains(words), "{words}");
     }
     assert_eq!(files["load_sharing.csv"].lines().count(), 3);
-    // Of a run that has not settled no means are shown.
+    // No means are shown for a run that has not settled.
     let files = written(&Results {
         runs: vec![unsettled],
         ..Results::default()

@@ -142,7 +142,7 @@ impl Row {
         }
         let any = |wanted| found.iter().any(|(_, a, _)| *a == Some(wanted));
         let refused = record.runs.iter().any(|r| r.status.is_failure());
-        // A run that failed has a code of its own, above those of the answer.
+        // A failed run has an exit code above those of the results.
         let expected = if any(Adequacy::Adequate) {
             Some(0)
         } else {

@@ -184,7 +184,7 @@ pub fn parameters(r: &mut Random, set: &Set, number: usize) -> Result<Parameters
         count: 1,
         window: 0.0,
     };
-    // What force the damping is looked at under.
+    // Force at which the damping ratio is evaluated.
     let mut force = peak;
     match kind {
         Kind::Impact => {
@@ -252,7 +252,7 @@ pub fn parameters(r: &mut Random, set: &Set, number: usize) -> Result<Parameters
     if !r.chance(undamped.unwrap_or(UNDAMPED)) {
         let lag = r.decades(1e-7, 2e-6);
         let modal = r.decades(0.002, 0.02);
-        // Full finite elements, which impacts are held against, know dashpots but no damping of modes.
+        // Full finite elements, with which impacts are compared, have dashpots in the contact but no modal damping.
         let (lag, modal) = match own.dashpots {
             true if kind == Kind::Impact => (lag, 0.0),
             true => (lag, modal),

@@ -127,7 +127,8 @@ fn validate_into(row: &mut ValidatedChoice, sample: &Sample) -> Result<(), Valid
         metric,
         tolerance: sample.tolerance,
     };
-    // All modes at once: the choice and the candidates take theirs of these. What the finer mesh costs is told.
+    // All modes are computed at once, and the choice and the candidates use subsets of them. The cost of the finer mesh
+    // is recorded.
     let details = Details::of(&problem, DENSEST);
     row.refining_s = Some(details.setup_s(Detail::Finer));
     let prepared = CandidateData::with(&problem, details)?;
@@ -139,7 +140,7 @@ fn validate_into(row: &mut ValidatedChoice, sample: &Sample) -> Result<(), Valid
     };
     let choice = match choice {
         Ok(choice) => Some(choice),
-        // No answer is none chosen.
+        // An error is recorded as a choice without a candidate.
         Err(e) => {
             row.note = Some(e.to_string());
             None
@@ -332,7 +333,7 @@ fn try_one(
                 tried.status = DEAR.into();
                 return Ok(tried);
             }
-            // It failed: the observed run says how.
+            // A failed run has no speeds; the observed run has the reason.
             None => {}
         }
     }

@@ -83,8 +83,8 @@ pub fn reference(
     let dense = densest(problem, prepared, judge);
     let methods = FINER.map(|part| scaled(&dense.method, part));
     let (fine, method) = first(problem, &dense.modelling, &methods, grid)?;
-    // What is told beside is run at twice the step, and held against the same model there. What does not reach the end
-    // says nothing of the one that does.
+    // The reported solution is repeated with twice the step, and compared with the same model at that step. A
+    // repetition that does not reach the end gives no estimate.
     let twice = scaled(method, 2.0);
     let step = twice.resolution.step();
     let at_twice = |of: &ElasticSettings, modes: usize| {

@@ -152,7 +152,7 @@ fn a_history_that_does_not_repeat_is_not_judged() {
         assert!(forces.spells > 2 && forces.rms_n > 0.0, "{}", level.name);
         assert!(forces.median_peak_n <= forces.greatest_peak_n);
     }
-    // No long refinement of what is not judged.
+    // Levels that cannot be judged are not refined further.
     assert!(said.levels.iter().all(|l| l.modes.is_none_or(|n| n <= 20)));
 }
 
@@ -276,7 +276,8 @@ fn a_choice_is_held_against_references() {
     }
     has(&folder.read("o/index.html"), &["the choice against fast"]);
 
-    // The same with a force half as large again: the choice is not adequate, whatever models say among each other.
+    // With the reference force increased by half the choice is not adequate, whatever the comparison between models
+    // gives.
     let mut table = String::new();
     for line in folder.read("own.csv").lines() {
         let cells: Vec<&str> = line.split(',').collect();
@@ -302,7 +303,8 @@ fn a_choice_is_held_against_references() {
     let own = &said.references[0];
     assert!(own.choice.unwrap() > 0.2 && own.yardstick.unwrap() > 0.2);
 
-    // Without being asked the yardstick alone is compared with the scene's own reference, which is said and changes nothing.
+    // By default only the yardstick is compared with the scene's reference. The result is reported and does not change
+    // the choice.
     let out = folder.ends(
         "choose small.toml --metric impulse --tolerance 0.2 --out q",
         0,

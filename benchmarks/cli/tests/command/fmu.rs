@@ -58,7 +58,7 @@ fn a_model_is_packed_with_all_that_it_reads() {
         ],
     );
     assert_eq!(all.len(), 5);
-    // The same again is the same file.
+    // The same command writes an identical file.
     folder.says("fmu spur_impact --model movable-teeth --library library.so --out again.fmu");
     assert_eq!(bytes, std::fs::read(folder.at("again.fmu")).unwrap());
 }

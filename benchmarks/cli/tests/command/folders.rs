@@ -20,7 +20,7 @@ fn a_folder_belongs_to_one_study_of_one_scene() {
     let folder = with_scene();
     folder.says(&format!("{COMPARE} --out o"));
     let first = folder.read("o/results.json");
-    // The same command again, and after an edit of the scene.
+    // The command is repeated, and repeated after an edit of the scene.
     folder.says(&format!("{COMPARE} --out o"));
     folder.write("s.toml", &SCENE.replace("A sound scene", "An edited scene"));
     folder.says(&format!(
@@ -296,7 +296,7 @@ fn attempt(folder: &Folder, study: &str, n: usize, to_the_end: bool) -> Option<O
     let mut first = first.spawn().unwrap();
     let pid = first.id();
     loop {
-        // Whole lines are read once the process stands still.
+        // The lines are read after the process has stopped.
         if lock.exists() {
             signal("STOP", pid);
             break;

@@ -55,7 +55,7 @@ fn constants_go_into_the_scene_with_comments_kept() {
             "gap_m = 2.9e-6\n",
         ],
     );
-    // Every other line stands as it stood.
+    // All other lines are unchanged.
     let lines: Vec<&str> = after.lines().collect();
     let gone: Vec<&str> = before.lines().filter(|l| !lines.contains(l)).collect();
     assert!(
@@ -66,7 +66,7 @@ fn constants_go_into_the_scene_with_comments_kept() {
         "{gone:?}"
     );
 
-    // It runs, and meets the reference as well as the fit says.
+    // The scene runs, and its error against the reference equals that of the fit.
     folder.says("compare own.toml --models rigid --integrators dopri5 --repeats 1 --out run");
     let found: serde_json::Value = serde_json::from_str(&folder.read("fit/results.json")).unwrap();
     let fitted = found["fits"][0]["data"][0]["l2"].as_f64().unwrap();

@@ -58,7 +58,7 @@ fn the_smallest_scene_works() {
     folder.says("compare s.toml --repeats 1");
     folder.says("compare out/my_scene/choose/chosen.toml --repeats 1 --out chosen");
 
-    // A formula out of its range is said on the terminal, in the answer and beside the chart.
+    // A formula outside its range is reported on the terminal, in the JSON object and next to the chart.
     let shifted = example.replacen("teeth = 30", "teeth = 30\nprofile_shift = 0.1", 1);
     folder.write("s.toml", shifted.split("```").next().unwrap());
     let said = folder.says("stiffness s.toml --positions 4");

@@ -86,7 +86,7 @@ pub(super) fn start(folder: &Folder, study: &str, read: bool) -> Child {
 /// Runs a study to its end and returns its answer and its record.
 pub(super) fn finish(folder: &Folder, study: &str) -> [Value; 2] {
     let out = start(folder, study, true).wait_with_output().unwrap();
-    // Answers name files by their full path.
+    // The JSON object has absolute paths.
     let text = stdout(&out).replace(&folder.path().display().to_string(), "");
     let answer: Value = serde_json::from_str(&text)
         .unwrap_or_else(|e| panic!("{study}: {e}: {}{}", stdout(&out), super::stderr(&out)));

@@ -7,6 +7,7 @@ mod choose;
 mod compare;
 mod coupling;
 mod damping;
+mod documents;
 mod files;
 mod fmu;
 mod folders;
@@ -118,7 +119,7 @@ fn as_documented(folder: &std::path::Path) {
         let read: gearbench_reports::record::Results = serde_json::from_str(&text).unwrap();
         assert_eq!(serde_json::to_value(&read).unwrap(), record);
     }
-    // A study may leave nothing but its answer.
+    // A study may write no files, only its printed result.
     for entry in std::fs::read_dir(folder).into_iter().flatten() {
         let path = entry.unwrap().path();
         if path.extension().is_some_and(|e| e == "csv") {
@@ -152,7 +153,7 @@ fn help_and_list_teach() {
     has(&folder.says("list models"), &["tooth_mass_kg", "required"]);
     assert!(!folder.says("list models").contains("dopri5"));
     folder.refuses("list modells", &["models"]);
-    // What a binary alone has in the place of the repository's documents.
+    // The documents that are embedded in the program.
     has(
         &folder.says("help scene"),
         &["# ", "centre_distance_m", "```toml"],

@@ -186,7 +186,7 @@ fn malformed_input_is_refused_in_little_time_and_memory() {
     for case in cases() {
         let (folder, command) = prepared(&case, &sound);
         let figures: PathBuf = folder.at("figures");
-        // What does not end by itself ends with 124 and without figures.
+        // A command that does not end by itself ends with 124, without time and memory.
         let mut timed = Command::new("timeout");
         timed
             .args(["40", "/usr/bin/time", "-q", "-f", "%e %M", "-o"])

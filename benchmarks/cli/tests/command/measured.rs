@@ -37,7 +37,7 @@ fn measured_curves_are_compared_with_the_tables_of_a_study() {
         &["Measured curves", "rig.csv"],
     );
     super::as_documented(&folder.at("here"));
-    // What is wrong with a file is said with its line, before anything is computed.
+    // An error in a file is reported with its line, before anything is computed.
     folder.write(
         "bad.csv",
         "position_base_pitches,secant_n_per_m\n0.1,2e8\n0.2,soft\n",

@@ -54,7 +54,7 @@ fn foreign_decks_are_reduced_and_compared() {
     let before = std::fs::read(reduced("impA_g2_C3D8")).unwrap();
     let stored = store::read(&reduced("impA_g1_C3D8")).unwrap();
     assert_eq!((stored.meta.teeth, stored.meta.motion), (20, Motion::Turn));
-    // Mass matrix of the mesh, as the reference tells it.
+    // Mass matrix of the mesh from the reference.
     assert!((stored.basis.inertia / 3.102056e-4 - 1.0).abs() < 1e-6);
     assert!((199..=200).contains(&stored.basis.omega.len()));
 

@@ -52,7 +52,7 @@ fn a_model_is_a_reference_for_the_others() {
     );
     let record: Results = gearbench_reports::load_results(&folder.at("c")).unwrap();
     as_documented(&folder.at("c"));
-    // Of other conditions is the second: models are not held against it.
+    // The second reference has other conditions; models are not compared with it.
     let [reference] = record.references.as_slice() else {
         panic!("{} references", record.references.len())
     };
@@ -77,7 +77,7 @@ fn a_model_is_a_reference_for_the_others() {
         &folder.read("c/index.html"),
         &["Further histories of the references", "read as"],
     );
-    // The same in precision, by its name.
+    // The same reference by name in the study `precision`.
     folder.ends(
         "precision s.toml --models rigid --integrators dopri5 --rtols 1e-4,1e-6 --against teeth --repeats 1 --out p",
         0,

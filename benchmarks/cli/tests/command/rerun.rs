@@ -84,7 +84,7 @@ fn a_study_that_is_made_again_writes_one_folder() {
                  integrators = [\"rk4@1us\"]\n";
     folder.write("check.toml", check);
     folder.says("check --update --no-runtime --out c");
-    // What would be stored anew.
+    // A change of the scene that `--update` would store.
     folder.write(
         "s.toml",
         &SCENE.replace("torque_nm = 1.0", "torque_nm = 2.0"),

@@ -200,7 +200,7 @@ fn pointers(value: &Value, at: &str, all: &mut Vec<String>) {
                 pointers(value, &format!("{at}/{key}"), all);
             }
         }
-        // Numbers of a history are alike: the first ones stand for all.
+        // The numbers of a history have the same role, so that the first ones represent all.
         Value::Array(list) => {
             for (i, value) in list.iter().take(8).enumerate() {
                 pointers(value, &format!("{at}/{i}"), all);

@@ -194,7 +194,7 @@ impl AdmissibleMotions {
         let size = a.norm();
         let worst = left.column_iter().map(|c| c.norm()).fold(0.0, f64::max);
         let residual = if size > 0.0 { worst / size } else { 0.0 };
-        // A number that is none is no small residual either.
+        // NaN does not count as a small residual.
         if residual.is_nan() || residual > RESIDUAL {
             return Err(LoadedStateError::Matrices("its modes could not be found"));
         }

@@ -352,7 +352,7 @@ impl<'a> Cycle<'a> {
         (0..self.rows.len())
             .map(|m| {
                 let compliance = h * dot(&self.rows[m].hubs, &x) / by_loads[m];
-                // Of rigid gears all of it is in the contact.
+                // All compliance of rigid gears is in the contact.
                 let gears = self.scene.meshes()[m].gears;
                 let own = |i: usize| self.scene.gears()[i].model.hub().own > 0;
                 MeshPhase {
@@ -431,7 +431,7 @@ pub fn running(
                 let mut away: Vec<f64> = (now.q.iter().zip(&seen.q).zip(&seen.v))
                     .map(|((now, first), v)| now - first - v * t)
                     .collect();
-                // What carriers move by is seen by nobody on them.
+                // In the frame of a carrier the motion of the carriers itself is zero.
                 (cycle.scene.carrier_coordinates().into_iter()).for_each(|i| away[i] = 0.0);
                 let all = cycle.at(found, &away);
                 let of_group: Vec<HubSpring<'_>> = (group.meshes.iter())

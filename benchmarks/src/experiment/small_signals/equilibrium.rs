@@ -79,7 +79,7 @@ fn motions(
     let modes = space.modes(&mechanism.stiffness)?;
     let floor = slack_of(&modes);
     let slack = modes.squares.iter().take_while(|x| **x <= floor).count();
-    // What the ground drives is held in the space; what follows it, and driven hubs, strains nothing.
+    // Directions driven by the ground are constrained; bodies that follow it, and driven hubs, store no strain energy.
     let mut speeds = space.held_velocity(&s.v, space.constraints());
     let held = DVector::from_column_slice(&speeds);
     let driven = DVector::from_column_slice(&mechanism.driven) - &mechanism.stiffness * held;
@@ -299,7 +299,7 @@ pub fn loaded(scene: &mut Scene, loads: bool) -> Result<LoadedState, LoadedState
             }
         }
         let part = search.part_of(&s, &step, &modes, &on);
-        // What meets no flank on its way may go further.
+        // Bodies without contact along the step may move further.
         bound = match part {
             LineSearch::Free => (2.0 * bound).min(farthest),
             LineSearch::Met(_) => BOUND,

@@ -107,7 +107,7 @@ fn index(
         DeValue::Table(table) => {
             for (key, value) in table {
                 let dot = if path.is_empty() { "" } else { "." };
-                // A table with a header stands where its header does.
+                // A table with a header has the position of the header.
                 let start = match value.get_ref() {
                     DeValue::Table(_) => key.span().start.min(value.span().start),
                     _ => key.span().start,

@@ -134,7 +134,7 @@ fn racks_and_gears_of_any_helix_are_refused_alike_and_conical_gears_are_not() {
     };
     check(&rack(""), None);
     check(&rack(&axis(10.0, true)), Some("axis"));
-    // Their axes meet at 10 degrees.
+    // Their axes intersect at 10 degrees.
     let scene =
         super::SceneFile::unbuilt("beveloid", SHIPPED_BEVELOID, super::Origin::Shipped, true);
     assert!(scene.is_ok());

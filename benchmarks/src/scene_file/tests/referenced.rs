@@ -72,7 +72,7 @@ fn a_reference_of_other_gears_is_refused_with_both_values() {
     ] {
         assert!(shown.contains(word), "{word}\n{shown}");
     }
-    // Who insists has it, and the scene says so.
+    // With `--any-reference` the reference is read, and the scene has a warning.
     let held = scene.load_references(true).unwrap();
     assert_eq!(held[0].named.stored(), Some("calculix/rack-pinion"));
     assert_eq!(held[0].data.id, "calculix");
@@ -190,7 +190,7 @@ fn a_scene_stands_under_its_references() {
     let lines = fast.conditions.lines(&scene.spec);
     assert_eq!(lines.len(), 5, "{lines:?}");
     assert!(lines.contains(&"gears.pinion.speed_rad_s = 60.0".to_owned()));
-    // Models are held against the first alone; identification has both.
+    // Models are compared with the first reference only; identification uses both.
     assert_eq!(scene.load_own_references(false).unwrap().len(), 1);
     assert_eq!(scene.load_references(false).unwrap().len(), 2);
 }

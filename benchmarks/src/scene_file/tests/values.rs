@@ -363,7 +363,7 @@ fn errors_of_the_assembly_have_a_line() {
         let e = BuildError::mesh(["pinion", "wheel"], part, "odd");
         assert_eq!(line("rigid", e), Some(expected), "{part:?}");
     }
-    // Of one contact per mesh the one that is to blame is shown.
+    // With one contact per mesh the faulty one is shown.
     let two = "model = \"rigid\"\ncontact = [{ stiffness = \"iso6336\" },\n    { slices = 2, stiffness = \"iso6336\" }]\n\n[[models]]\nlabel = \"other\"\nmodel = \"rigid\"";
     let train = idler().replacen("model = \"rigid\"", two, 1);
     let scene_of_two = parse(&train).unwrap_or_else(|e| panic!("{}", render(&e)));

@@ -107,7 +107,7 @@ pub fn run(args: &Check, command: &str) -> Result<CommandResult, Refusal> {
     let now: Vec<MeasuredEntry> = checked.iter().map(|c| c.measured.clone()).collect();
     let left = left_out(&newest, &file, &cases, &now);
     if !stopped {
-        // Of some of the entries nothing can be said of the program, nor of what is absent.
+        // Without all entries neither the program as a whole nor absent entries can be judged.
         checked.extend(program(&now, &newest.entries, &file.runtime, same));
         checked.extend(left.gone.iter().map(gone));
     }
@@ -120,7 +120,7 @@ pub fn run(args: &Check, command: &str) -> Result<CommandResult, Refusal> {
     let update = args.update && !stopped;
     let stored = match update {
         false => None,
-        // What was not run stays as it is.
+        // Entries that were not run keep their baselines.
         true if !holds || newest.entries.is_empty() => {
             let entries = now.into_iter().chain(left.kept).collect();
             let stored = Stored {

@@ -73,7 +73,7 @@ pub fn run(args: &Choose, command: &str) -> Result<CommandResult, Refusal> {
             let text = chosen_scene::text(&scene, candidate, &remarks)?;
             write_whole(&file, text).map_err(io)?;
         }
-        // One of an earlier start is no answer to this question.
+        // The scene file of an earlier start does not answer the present question.
         None => match std::fs::remove_file(&file) {
             Err(e) if e.kind() != std::io::ErrorKind::NotFound => return Err(io(e)),
             _ => {}

@@ -145,7 +145,7 @@ pub fn approach(
     if peak > 0.0 {
         Ok(peak / oscillator.stiffness)
     } else if problem.runner.budget().is_spent() {
-        // The run was cut off, and says nothing of later contacts.
+        // The run was cut off, so that later contacts are not known.
         Err(ChooseError::Budget(problem.runner.budget().described()))
     } else {
         Err(ChooseError::NoContact {

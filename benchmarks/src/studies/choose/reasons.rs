@@ -86,7 +86,7 @@ pub fn reason(choice: &Choice, requirement: &Requirement, refinement: &Refinemen
         }
         (None, _) => format!("{} ({})", r.level.name(), per_cent(r.error)),
     };
-    // Of another mesh or contact the nearest stands for all.
+    // Among levels of another mesh or contact only the nearest is listed.
     let detail = candidate.level.detail();
     let (other, same): (Vec<_>, Vec<_>) = (choice.levels.iter())
         .take_while(|r| r.level != candidate.level)

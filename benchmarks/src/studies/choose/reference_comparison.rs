@@ -131,7 +131,7 @@ fn compare_with_reference(
     let mut all: Vec<String> = errors
         .filter_map(|m| Some(format!("{} {}", m.words(), per_cent(metrics.get(m)?.abs()))))
         .collect();
-    // What damping takes is in no reference's histories.
+    // Histories of references do not contain the dissipated energy.
     let asked = match requirement.metric {
         Metric::EnergyDrift => None,
         metric => metrics.get(metric).map(f64::abs),

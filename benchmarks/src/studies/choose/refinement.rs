@@ -443,7 +443,7 @@ mod tests {
 
     #[test]
     fn a_geometric_series_is_summed() {
-        // Differences 1, 1/2, 1/4: what is left after them is 1/4.
+        // Differences 1, 1/2, 1/4 leave a remainder of 1/4.
         assert!((remaining(&[1.0, 0.5, 0.25]) - 0.25).abs() < 1e-12);
         // Differences that grow promise nothing: the bound of the ratio speaks.
         assert!((remaining(&[0.1, 0.2]) - 0.2).abs() < 1e-12);

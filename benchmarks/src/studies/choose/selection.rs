@@ -289,7 +289,7 @@ impl Selector<'_, '_> {
                 let adequate = self.adequate(error);
                 let mut cost = f64::NAN;
                 if outcome.usable() {
-                    // The cost of what does not do is for the picture only.
+                    // The cost of inadequate candidates is used in the chart only.
                     let repeats = match adequate {
                         Adequacy::Adequate => REPEATS,
                         _ => 1,
@@ -311,7 +311,7 @@ impl Selector<'_, '_> {
                     pending = None;
                     continue;
                 }
-                // What was run over the whole scene needs nothing to confirm it.
+                // A candidate that was run over the whole scene needs no confirmation.
                 let last = self.window.whole || i + 1 == row.len();
                 if let Some((c, cost)) = pending.or(last.then_some((candidate, cost))) {
                     if best.as_ref().is_none_or(|(_, b)| cost < *b) {
@@ -583,7 +583,7 @@ mod tests {
             of(&[(Adequate, &[NotAdequate, NotDecided])]),
             Verdict::NotDecided
         );
-        // What was not tried is not known.
+        // A level that was not tried leaves the choice undecided.
         assert_eq!(of(&[(Adequate, &[])]), Verdict::NotDecided);
         assert_eq!(verdict(true, [(NotDecided, Vec::new())]), Verdict::Adequate);
     }

@@ -136,7 +136,7 @@ fn a_choice_is_held_against_the_finer_mesh() {
             "{text}"
         );
     }
-    // A mesh that cannot be refined is told as the bound of what is known.
+    // If a mesh cannot be refined, the error bound states this.
     for g in &mut s.flexible.gears {
         g.mesh.mesh = Some("nowhere.inp".into());
     }

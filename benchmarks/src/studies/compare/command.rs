@@ -32,7 +32,7 @@ pub fn run(args: &Compare, command: &str) -> Result<CommandResult, Refusal> {
     };
     let plan = plan.compared_with(&scene, args.yardstick.as_deref())?;
     let plan = match &args.integrators {
-        // What the command line asks for goes for all models.
+        // Integrators on the command line apply to all models.
         Some(text) => {
             let methods = Scheme::list(text, &scene.study.integrators)
                 .map_err(RunError::from)

@@ -34,7 +34,7 @@ pub fn compare(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, RunError
     let mut tolerance = plan.tolerance.clone();
     let mut wanted = plan.wanted.clone();
     let mut yardstick = match &wanted {
-        // Among several references the tolerance says which.
+        // With several references the tolerance names the relevant one.
         _ if !references.is_empty()
             && tolerance.as_ref().is_none_or(|t| is_stored(&references, t)) =>
         {
@@ -105,7 +105,7 @@ pub fn compare(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, RunError
                 let mut row = run(&own_job())?;
                 row.published_s = entry.published;
                 row.published_derived = entry.published_derived;
-                // The first run says how large the model is.
+                // The first run gives the number of coordinates of the model.
                 let own = match &mut own {
                     Some(own) => own,
                     none => {

@@ -83,7 +83,7 @@ fn helical_gears_hammer() {
             ledger.invariant_drift_rel.unwrap().abs() < 1e-3,
             "{ledger:?}"
         );
-        // Light damping: most of what hammers is lost, what turns with both gears stays.
+        // With light damping most energy of the relative motion is dissipated, that of the common rotation remains.
         let [start, end] = [ledger.energy_start_j, ledger.energy_end_j].map(Option::unwrap);
         assert!((0.2..0.7).contains(&(end / start)), "{ledger:?}");
     }

@@ -28,7 +28,7 @@ pub fn summarise(results: &Results) {
         "{:<24} {:<30} {:>10} {:>9} {:>8} {:>12}  {heading}",
         "model", "integrator", "step/rtol", "cpu", "steps", "integration"
     ));
-    // As many digits as tell the runs of the table apart.
+    // As many digits as are needed to distinguish the runs of the table.
     let steps: Vec<f64> = results.runs.iter().filter_map(|r| r.step).collect();
     let rtols: Vec<f64> = results.runs.iter().filter_map(|r| r.rtol).collect();
     let [step_digits, rtol_digits] = [steps, rtols].map(|all| digits_apart(&all, 1));

@@ -323,7 +323,7 @@ impl YardstickRunner<'_> {
         series: &TimeSeries,
     ) -> Result<ErrorPart, RunError> {
         if made.step.is_none() {
-            // Of an adaptive method the order says little: the whole distance counts.
+            // The order of an adaptive method gives no estimate: the whole difference counts as its error.
             let looser = Variant {
                 coarser: 2.0,
                 ..*finest

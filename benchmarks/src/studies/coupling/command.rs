@@ -121,7 +121,7 @@ fn plan<'a>(scene: &SceneFile, args: &Coupling, command: &str) -> Result<Plan<'a
         let of = (&configuration.scene, &configuration.modelling);
         let mut built = match Scene::build(of.0, of.1, models()) {
             Ok(built) => built,
-            // Nobody asked for the twin: contact on half-spaces has none.
+            // The truncated twin was not requested, and contact on half-spaces has none.
             Err(e) if twin == Some(i) => {
                 left_out.push((label.clone(), e.to_string(), ""));
                 continue;

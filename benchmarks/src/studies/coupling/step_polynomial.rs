@@ -81,7 +81,7 @@ mod tests {
             assert!((line.value(t) - secant).abs() < 1e-13);
             assert_eq!(held.value(t), f(1.3));
         }
-        // Fewer values than asked for: those that there are.
+        // With fewer values than the order needs, the order is reduced.
         assert_eq!(
             StepPolynomial::through(&past[..1], Extrapolation::Quadratic).c,
             [2.0, 0.0, 0.0, 0.0]

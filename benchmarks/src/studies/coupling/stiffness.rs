@@ -82,7 +82,7 @@ mod tests {
         let r = DMatrix::from_row_slice(2, 1, &[1.0, 0.0]);
         let [omega, zeta] = condensed(&k, &d, &r).unwrap();
         assert!((omega * omega - 2.0).abs() < 1e-13);
-        // The coordinate follows by a third: the damper between sees two thirds.
+        // The coordinate follows by a third, so that the damper between has two thirds of the speed.
         assert!((zeta - 0.5 * 0.4 * (2.0_f64 / 3.0).powi(2) / omega).abs() < 1e-13);
         // Turned with all that it carries, nothing resists.
         let (free, both) = (

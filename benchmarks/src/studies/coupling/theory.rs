@@ -40,7 +40,7 @@ fn weights(extrapolation: Extrapolation) -> &'static [[f64; 2]] {
 pub fn radius(extrapolation: Extrapolation, omega_h: f64, zeta: f64) -> f64 {
     let weights = weights(extrapolation);
     let n = 1 + weights.len();
-    // Of the state (x, y, F_{n-1}, ..); F_n is a row over it.
+    // The state is (x, y, F_{n-1}, ..); F_n is a linear function of it.
     let force = |row: &mut [f64], by: f64| {
         row[0] -= by * omega_h * omega_h;
         row[1] -= by * 2.0 * zeta * omega_h;

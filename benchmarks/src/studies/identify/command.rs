@@ -227,7 +227,8 @@ fn plan<'a>(
     let of_reference = |held: &&LoadedReference| {
         let (time, force) = held.data.force()?;
         let own = &held.scene;
-        // Beyond the scene's duration the reference may lack what the scene has, as the other flanks.
+        // Beyond the duration of the scene the reference may lack effects that the scene has, such as contact of the
+        // other flanks.
         let n = time.partition_point(|&t| t <= own.duration);
         let name = name_of(held);
         let weight = args.weight.iter().find(|(of, _)| of == name);

@@ -254,7 +254,7 @@ pub fn study(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, StudyError
     let (mut vibrations_of, mut mesh_modes) = (Vec::new(), Vec::new());
     for (done, entry) in plan.entries.iter().enumerate() {
         if interruption::requested() {
-            // What is finished is reported.
+            // After an interruption the finished part is reported.
             break;
         }
         runner.report_progress(done, plan.entries.len(), &entry.label);

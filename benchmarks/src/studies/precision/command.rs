@@ -30,7 +30,7 @@ pub fn run(args: &Precision, command: &str) -> Result<CommandResult, Refusal> {
     let references = references_of(&mut scene, &args.insist)?;
     let choices = scene.select_precision(args.models.as_deref())?;
     let plan = Plan::of(&scene, &choices, &references, &args.asked).map_err(refused)?;
-    // What was simulated stands first, then what it was held against.
+    // The settings list the simulated model first, then the references.
     let mut told = settings(&scene, &choices, false);
     told.retain(|(what, _)| {
         what != "integrators of the scene" && what != "converged solution (self)"

@@ -106,7 +106,7 @@ impl Plan<'_> {
             {
                 variant.entry.fitted_to = None;
             }
-            // Who names a reference wants to see it; the settings say where contacts differ.
+            // A reference that the user names is used even if its contact differs; the settings state the difference.
             variant.against = if asked.against.is_empty() {
                 akin.clone()
             } else {

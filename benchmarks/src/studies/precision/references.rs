@@ -160,7 +160,7 @@ pub(super) fn references_for(
     let mut ids = Vec::new();
     let stored = |id: &str| (scene.references.iter()).any(|r| r.name == id && r.stored().is_some());
     for e in external {
-        // What was measured has the contact of nature: all models are held against it.
+        // Measurements contain the real contact, so that all models are compared with them.
         if !stored(&e.id) {
             ids.push(e.id.clone());
             continue;

@@ -201,7 +201,7 @@ fn fill(row: &mut Run, variant: &Variant) {
     entry.sign(row);
     row.published_s = entry.published;
     row.published_derived = entry.published_derived;
-    // The modes that were kept, as the model says.
+    // Number of modes that the model reports.
     row.modes = row.modes.or(variant.modes);
     row.contacts = None;
 }

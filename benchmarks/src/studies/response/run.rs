@@ -216,7 +216,7 @@ pub fn study(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, StudyError
             }
         });
         let found = match made {
-            // What is finished is reported.
+            // After an interruption the finished part is reported.
             Err(_) if interruption::requested() => break,
             made => made?,
         };

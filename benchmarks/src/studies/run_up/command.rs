@@ -29,7 +29,7 @@ const BEFORE: f64 = 0.02;
 pub fn run(args: &RunUp, command: &str) -> Result<CommandResult, Refusal> {
     let scene = scene_file::load_for(&args.scene, Selection::Labels(args.models.as_deref()))?;
     let choices = scene.select(args.models.as_deref())?;
-    // Full models take hours for what a run-up turns through.
+    // Full finite elements need hours for the revolutions of a run-up.
     let full = |c: &&ModelChoice| properties_of(models(), &c.model).full_order;
     let (left, taken): (Vec<&ModelChoice>, Vec<&ModelChoice>) = choices.into_iter().partition(full);
     if let Some(choice) = left.first().filter(|_| taken.is_empty()) {

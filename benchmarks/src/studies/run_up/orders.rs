@@ -46,7 +46,7 @@ pub fn tracked(
         let Body::Gear(body) = &spec.gears[g].body else {
             continue;
         };
-        // Seen from the carrier, also of the sun.
+        // Angles relative to the carrier, also that of the sun.
         let angle = |i: usize| {
             let a = recorded.angle(recorder, i);
             a[between[1]] - a[between[0]]

@@ -103,7 +103,7 @@ fn one(
         });
         found.label = entry.model_label();
         found.natural = natural(plan, (entry, &spec), &found)?;
-        // What there is to see of it are its windows.
+        // The report shows the windows only, so histories are not stored.
         (row.contacts, row.series) = (None, None);
         Ok::<_, StudyError>((row, found))
     });

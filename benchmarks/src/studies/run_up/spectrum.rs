@@ -136,7 +136,7 @@ mod tests {
             assert!((a[k] - wanted).abs() < 2e-9, "{k}: {} {wanted}", a[k]);
             assert!((w.amplitude(k as f64) - a[k]).abs() < 1e-15, "{k}");
         }
-        // Half of it stands in the bins beside it, 15 % are lost in the middle between two.
+        // The neighbouring bins have half of the amplitude; midway between two bins 15 % are lost.
         assert!((a[15] / a[16] - 0.5).abs() < 1e-3);
         let between = amplitudes(&wave(1024, &[(1.0, 16.5)], 0.0, 0.0));
         assert!((between[16] - 0.8488).abs() < 1e-3, "{}", between[16]);

@@ -235,7 +235,7 @@ fn a_run_up_meets_the_resonance_that_sweep_and_modes_have() {
     for (other, within) in [(sweep, 0.015), (statics, 0.015), (natural, 0.04)] {
         assert!((run_up / other - 1.0).abs() < within, "{run_up} {other}");
     }
-    // The strongest order is that of the mesh, and its peak is told there.
+    // The strongest order is that of the mesh, whose peak is reported.
     let told = strongest(&found, 1);
     assert!(told[0].order.of_mesh && (told[0].frequency_hz() / run_up - 1.0).abs() < 0.02);
     // Spectra and orders agree on the amplitude at the peak, within what the frequency moves.

@@ -100,7 +100,7 @@ fn sets(scene: &SceneFile, args: &Stability) -> Result<Vec<StabilitySet>, Refusa
         }
         sets.truncate(1);
         sets[0].axes.clone_from(&args.axis);
-        // What a scene says of models and integrators was said for its own axes.
+        // Models and integrators of the scene's own maps do not apply to axes from the command line.
         sets[0].models = None;
         sets[0].integrators = None;
     }
@@ -143,7 +143,7 @@ fn sets(scene: &SceneFile, args: &Stability) -> Result<Vec<StabilitySet>, Refusa
         }
     }
     if args.models.is_some() && args.axis.is_empty() {
-        // A model asked for by name is charted over every set of axes that goes with it; the same pair of model and
+        // A model named on the command line has a map for every set of axes that applies to it; each pair of model and
         // axes once.
         sets.dedup_by(|a, b| a == b);
     }

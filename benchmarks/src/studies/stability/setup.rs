@@ -168,7 +168,7 @@ fn stiffen(factor: f64, scene: &SceneSpec, modelling: &mut Modelling) -> Result<
             PairStiffness::Constant { per_width, .. }
             | PairStiffness::Parabola { per_width, .. } => *per_width *= factor,
             PairStiffness::Table { k, .. } => k.iter_mut().for_each(|k| *k *= factor),
-            // Flank points have their penalty; what a norm says is not asked.
+            // Flank points have a penalty; a stiffness of a norm does not apply to them.
             _ if contact.points.is_some() => {}
             _ => {
                 let [a, b] = mesh.gears.map(|i| &scene.gears[i]);

@@ -49,7 +49,7 @@ pub fn run(args: &Stiffness, command: &str) -> Result<CommandResult, Refusal> {
     entries.extend(formulas(&first.spec, &first.modelling));
     let mut told = settings(&scene, &choices, false);
     told.retain(|(what, _)| what != "simulated time");
-    // The formulas stand for rigid gears of the same scene.
+    // The formulas replace rigid gears of the same scene.
     let own = entries.last().and_then(own_force);
     let loads: Result<Vec<StaticLoad>, Refusal> = entries
         .iter()

@@ -34,7 +34,7 @@ pub fn run(args: &Sweep, command: &str) -> Result<CommandResult, Refusal> {
     check(&unbuilt.name, &unbuilt.spec).map_err(|e| refuse_study(&unbuilt, e))?;
     let scene = scene_file::load_for(&args.scene, Selection::Labels(args.models.as_deref()))?;
     let choices = scene.select(args.models.as_deref())?;
-    // Full models run far too long; they stand for the static limit.
+    // Full finite elements run far too long; they serve for the static limit only.
     let full = |m: &ModelChoice| properties_of(models(), &m.model).full_order;
     let mut standing: Vec<&ModelChoice> = choices.iter().copied().filter(|m| full(m)).collect();
     if args.models.is_none() {

@@ -155,7 +155,7 @@ impl Pair {
             free: [a, b].iter().all(|g| matches!(g.mount, Mount::Revolute)),
             own: own_frequency([a, b].map(own_speed), teeth),
         };
-        // What a viscous load presses depends on the speeds that are swept.
+        // The force of a viscous load depends on the swept speeds.
         let rest = pair.own_force();
         if rest <= 0.0 && viscous == [false; 2] {
             return Err(format!(

@@ -249,7 +249,7 @@ impl Branches<'_, '_> {
         } = self;
         let period = frequency.recip();
         let begin = from.map_or(0.0, EndState::time);
-        // Whole cycles: within one the common rotation goes to and fro.
+        // Whole cycles, because the common rotation oscillates within each.
         let settle = (plan.settle / period).max(LEAST_CYCLES).ceil() * period;
         let measured = begin + settle;
         // One cycle more: whole cycles begin where a pair's do.

@@ -17,7 +17,7 @@ pub fn summarise(results: &Results) {
         let runs: Vec<_> = (results.runs.iter())
             .filter(|r| r.model_label() == label)
             .collect();
-        // A run that did not settle has no amplitude that stands for its speed.
+        // A run that has not settled has no amplitude for its speed.
         let peak = (runs.iter().filter(|r| r.status.holds()))
             .filter_map(|r| r.steady.as_ref())
             .max_by(|a, b| a.error_rms_m.total_cmp(&b.error_rms_m));

@@ -49,7 +49,7 @@ pub(super) struct TruncationVariant {
 /// Truncation variants that are compared.
 pub(super) const VARIANTS: [TruncationVariant; 5] = [
     variant("by flank compliance", BY_COMPLIANCE, true, 1.0),
-    // What the step costs beside what the cut modes cost.
+    // Cost of a smaller step, compared with the cost of the truncated modes.
     variant(
         "by flank compliance, a quarter of the step",
         BY_COMPLIANCE,

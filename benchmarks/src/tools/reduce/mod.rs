@@ -128,7 +128,7 @@ fn from_deck(args: &Arguments, input: &str) -> Result<Vec<Job>, Refusal> {
     }
     let mut gears = deck::gears_known(&deck, Some(Material::STEEL), &known).map_err(bad)?;
     let one = gears.len() == 1;
-    // What is said of the axis is of the gear that is named: it need not fit the others.
+    // Given axis properties apply to the named gear only; other gears of the deck need not match them.
     let is_named = |g: &DeckGear| args.gear.as_ref().is_some_and(|name| *name == g.name);
     if known != SpecifiedBody::default() && gears.iter().flatten().any(is_named) {
         gears.retain(|g| g.as_ref().is_ok_and(is_named));

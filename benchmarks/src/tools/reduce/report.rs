@@ -152,7 +152,7 @@ fn of_toothing(t: &Toothing, motion: Motion, teeth: u32) -> String {
             t.pressure_angle.to_degrees(),
             if t.standard { "" } else { ", none of ISO 54" }
         ),
-        // Of an internal gear the flanks tell no tool.
+        // The tool of an internal gear cannot be derived from its flanks.
         false => String::new(),
     };
     match motion {

@@ -114,7 +114,7 @@ pub fn run(args: &Reference, command: &str) -> Result<CommandResult, Refusal> {
         note: &note,
         scene: &scene.name,
     };
-    // What the scene says is stated, a gap that the model brings along is its own.
+    // Conditions of the scene are stated; a gap that belongs to the model is a property of the model.
     let text = file::text(&header, &spec, &series);
     let fail = |path: &Path| {
         let path = path.display().to_string();

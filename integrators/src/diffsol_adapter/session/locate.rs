@@ -50,7 +50,7 @@ impl Session<'_, '_> {
                 let Root::Inside(theta) = watch.first_root(1e-15, &mut *look) else {
                     return false;
                 };
-                // What is no parabola over all of the step may be one up to here.
+                // A function that is no parabola over the whole step may be one up to this time.
                 look(theta, &mut watch.after);
                 watch.until = theta;
                 if h * theta > SHORT * time && watch.any_dipped(&mut *look) {

@@ -92,7 +92,7 @@ impl Compliance {
         self.n = numbers.len();
         let size = blocks.iter().map(|b| b.len * b.len).sum();
         self.matrix.resize(size, 0.0);
-        // Of many gears the nodes of few change.
+        // Of many gears only a few have changed nodes.
         let mut rest = self.matrix.as_mut_slice();
         let same = before.blocks.len() == blocks.len();
         let (mut of_matrix, mut of_inverse) = (0, 0);

@@ -43,7 +43,7 @@ impl Descent {
         let pieces = self.pieces.iter().zip(springs);
         let same = self.iteration > 0 && { pieces }.all(|(p, s)| *p == slopes(s));
         self.first = self.first.max(norm);
-        // What is left counts beside what was lacking and beside the forces, whose rounding it is.
+        // The residual is relative to the first residual and to the forces, which determine its rounding error.
         let scale = self.first.max(forces);
         if norm == 0.0 || (same && self.whole && self.linear) || norm <= 1e-14 * scale {
             return true;

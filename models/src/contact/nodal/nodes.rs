@@ -118,7 +118,7 @@ impl GearNodes {
         at: StateView<'_>,
         nodes: &[u32; N],
     ) -> [u32; N] {
-        // Those that are new are met together.
+        // New nodes are registered together.
         let (mut new, mut count) = ([0; N], 0);
         let mut next = self.nodes.len() as u32;
         let slots = nodes.map(|node| {

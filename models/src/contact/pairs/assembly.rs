@@ -15,7 +15,7 @@ use crate::stiffness::{PairOrMesh, StiffnessCurve};
 fn counting(views: &[MeshView; 2]) -> [i64; 2] {
     let up = |view: &MeshView| view.path_per_displacement() > 0.0;
     let one = if up(&views[0]) { 1 } else { -1 };
-    // Of its mate the path coordinate becomes smaller.
+    // The path coordinate of the mate decreases.
     [one, if up(&views[1]) { -1 } else { 1 }]
 }
 

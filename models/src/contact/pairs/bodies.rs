@@ -131,7 +131,7 @@ impl LinesOfAction {
             let range = self.pairs_of(l, gears, mesh.discrete, true);
             let modes = &mesh.modes[2 * l * self.pairs..][..2 * self.pairs];
             if all_open(modes) && self.clearly_open(line, gears, 0.0) {
-                // What pairs are apart does not matter before one comes near.
+                // The number of separated pairs does not matter until one approaches.
                 self.each_pair(l, range, gears, |slot, _, _| {
                     slots[slot] = self.mesh.base_pitch
                 });

@@ -176,7 +176,7 @@ impl Separation {
         let least = |s: f64| of.least(s, &removed_or_none);
         let at_tip = least(of.tip).map_or(0.0, |e| e.0);
         let sample = |s: f64, _: usize| least(s).unwrap_or((at_tip, 0.0));
-        // That the mate ends at its tip is told by the mate's own edge.
+        // The tip of the mate is described by the mate's own edge.
         let on_flank = |s: f64, _: usize| {
             let unending = Engagement {
                 mate_tip: match of.mate_base_radius {
@@ -228,7 +228,7 @@ impl Separation {
 
     /// Returns a lower bound of the separation [m].
     pub fn lowest(&self) -> f64 {
-        // Its edge only stands off further.
+        // The deviation at the edge only increases the gap.
         self.flank.as_ref().map_or(0.0, Table::lowest)
     }
 

@@ -229,7 +229,7 @@ impl Spatial {
         let (own, mate, side, z) = (section.own, section.mate, section.side, section.z);
         let least = LEAST_ROLL * self.base_pitch;
         let near = &place.near;
-        // Of the foot on the mate.
+        // Roll angle of the foot point on the mate.
         let foot = match mate {
             FlankForm::Involute(h) => near.roll - near.distance / h.flank(side).cos_helix,
             FlankForm::Plane(_) => near.roll - near.distance * near.gradient.y,
@@ -294,7 +294,7 @@ impl Spatial {
         let bend = other.cos_helix * across / roll;
         let by_roll = turning + bend * across * per_roll;
         let own_roll = [bend / by_roll * of_mate, couple / by_roll];
-        // Of the foot on the mate, which goes along with the point on the sliced gear.
+        // Foot point on the mate, which moves with the point on the sliced gear.
         let outward = sigma * Vec3::new(-near.base.sin, near.base.cos, 0.0);
         let lever = other.base_radius / roll;
         let along = (lever * across + outward.dot(base)) * per_roll;

@@ -68,7 +68,7 @@ pub(super) fn chords(side: Side, knots: &[Vec2], curves: &[[Vec2; 4]]) -> (Vec<C
         let n = outward(side, &along) / length;
         (n, n.dot(&(0.5 * (knots[row] + knots[row + 1]))), length)
     };
-    // Beyond its ends the profile goes on as its last faces do.
+    // Beyond its ends the profile is extended along its last faces.
     let stands_out = |row: usize, from: f64, to: f64| {
         let (n, d, length) = line(row);
         let most = (0..=SAMPLES).fold(0.0_f64, |most, i| {

@@ -122,7 +122,7 @@ impl FlankedGear {
         } else {
             pitch
         };
-        // The first flank of a side stands for all, with what others stand before their place by its pitch.
+        // The first flank of a side represents all others, with their largest deviation from its position.
         let mut largest = 0.0_f64;
         let mut foremost: [Option<(f64, f64)>; 2] = [None; 2];
         let mut involute = true;

@@ -27,12 +27,12 @@ pub(super) fn outermost(body: &Body, view: &MeshView, g: &FlankGrid) -> f64 {
     for x in g.positions.iter() {
         let Some(mut p) = own(x) else { continue };
         if let (Some(b), Body::Gear(_)) = (best, body) {
-            // Angles of one flank stand together.
+            // Angles of one flank lie within one turn of each other.
             p -= TAU * ((p - b) / TAU).round();
         }
         best = Some(best.map_or(p, |b| if out * p > out * b { p } else { b }));
     }
-    // A flank that ends below the form circle stands where its last node is.
+    // A flank that ends below the form circle has the position of its last node.
     best.or_else(|| {
         g.positions.last().map(|x| {
             if matches!(body, Body::Gear(_)) {
@@ -75,7 +75,7 @@ fn place_of(body: &Body, view: &MeshView, side: Side, x: &Vec3) -> Option<f64> {
             let r = x.x.hypot(x.y);
             let angle = x.y.atan2(x.x) - x.z * flank.tan_helix / rb;
             let roll = (r * r - rb * rb).max(0.0).sqrt();
-            // The mesh tells places by half angles of its own.
+            // The mesh measures positions by its own half angles.
             let own = angle + sign * (inv((roll / rb).atan()) - flank.half_angle);
             (r >= rb).then(|| own + sign * view.half_angle_of(side))
         }

@@ -49,7 +49,7 @@ impl Patch {
         let r = [below[2], below[3]];
         let s = [above[2] - r[0], above[3] - r[1]];
         let mut q: [Vec3; 4] = std::array::from_fn(|i| beside[i] - p[i]);
-        // What the edges over the width bring to both ends stands there already.
+        // The contributions of the edges at both ends are already included.
         q[0] -= r[0] + r[1];
         q[1] -= s[0] + s[1];
         Patch { p, q, r, s }

@@ -75,7 +75,7 @@ impl Layout {
     pub fn beside(&self, poses: &[Pose; 2]) -> f64 {
         let mut moved = poses[1].origin - poses[0].origin - self.apart;
         for (pose, _) in poses.iter().zip(self.slides).filter(|(_, slides)| *slides) {
-            // Along its slide a rack moves as its displacement tells.
+            // A rack translates along its slide by its displacement.
             let slide = &pose.axes[1];
             moved -= slide.dot(&moved) * slide;
         }

@@ -238,7 +238,7 @@ impl Profile {
             let step = tangent.dot(&r) * per;
             left -= 1;
             if step.abs() < close || left == 0 {
-                // What is left of the step: its third order is below rounding.
+                // The remaining step, whose third order is below rounding.
                 let r = r - step * (tangent + (0.5 * step) * bend);
                 let tangent = tangent + step * bend;
                 let n = outward(self.side, &tangent);

@@ -213,7 +213,7 @@ impl DeformedSurface<'_> {
                 (a, b) = (a + da, b + db);
                 break;
             }
-            // Further out a face says nothing; the neighbour will.
+            // Further outside, the face is not relevant; its neighbour is.
             a = (a + da).clamp(-2.0, 3.0);
             b = (b + db).clamp(-2.0, 3.0);
             spot = face(a, b);

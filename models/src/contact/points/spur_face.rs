@@ -124,7 +124,7 @@ impl FacePointSearch<'_, '_, '_> {
         let (spur, of) = (pair.spur, pair.of);
         let (slave, master) = (pair.profile(k), pair.profile(m));
         let (s_shape, m_shape) = (pair.shape(k), pair.shape(m));
-        // With the displacements at hand the face may stand off.
+        // With the given displacements the face may have a gap.
         let (c0, c1) = (self.clear[row], self.clear[row + 1]);
         let faces = [c0.1.min(c1.1), c0.1.max(c1.1)];
         let mut rise = 0.0;

@@ -187,7 +187,7 @@ impl TwistedFlanks {
             off += offs.into_iter().fold(0.0, f64::max);
             profiles
         });
-        // Beyond any doubt also for what is no number.
+        // Written so that NaN also counts as apart.
         if off.is_nan() || off > OFF_TWIST * base_pitch {
             return None;
         }
@@ -201,7 +201,7 @@ impl TwistedFlanks {
             });
             with_turns.collect()
         };
-        // Columns of all flanks of a gear stand at the same heights.
+        // Columns of all flanks of a gear have the same heights.
         let alike = |g: &FlankedGear| g.shapes.iter().all(|s| s.z == g.shapes[0].z);
         let patches =
             [0, 1].map(|k| -> Vec<Vec<Patch>> { gears[k].shapes.iter().map(Patch::all).collect() });
@@ -367,7 +367,7 @@ fn twisted(shape: &Shape, twist: &Twist, rule: &Rule, tips: Tips) -> (Profile, f
             }
         }
     }
-    // What projections in a section leave out.
+    // Bound of the deviation that projections within a section neglect.
     let longest = shape.lengths.iter().fold(0.0_f64, |l, x| l.max(*x));
     (profile, off + NEARLY.powi(3) * longest)
 }

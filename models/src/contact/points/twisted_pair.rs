@@ -202,7 +202,7 @@ impl<'a> Pass<'a, '_> {
         if least > self.limit {
             return;
         }
-        // With the displacements at hand the face may stand off.
+        // With the given displacements the face may have a gap.
         let of_slave = Corners::of(&mut self.sides[k], s_shape, row, cell.column);
         let of_master = Corners::of(&mut self.sides[m], m_shape, c0.1, cell.on);
         let mut highest = of_master.highest();
@@ -269,7 +269,7 @@ impl<'a> Pass<'a, '_> {
         }
         let tip = m_shape.lengths[m_shape.lengths.len() - 1];
         let past = (0.5 * length / tip).min(MOST_PAST);
-        // A point that faces the flank, and surely stands off.
+        // A point that faces the flank and has a positive gap.
         let least = self.in_space(master.clearance_bound(&x, face));
         let least_doubt = twisted.doubt(least, on.rise.abs());
         if (0.0..=1.0).contains(&place)

@@ -39,7 +39,7 @@ impl Elastic {
         let (frame, of_modes) = missing.split_at(self.own);
         // A bearing is slow: nothing is left out of its directions.
         let frame = &frame[..usize::from(self.turns())];
-        // So that a product of two rows is what the pair of nodes gets.
+        // Scaled so that the product of two rows is the compliance of the pair of nodes.
         let width = modes + frame.len();
         let mut rows = Vec::with_capacity(of_flanks * width);
         for row in 0..of_flanks {

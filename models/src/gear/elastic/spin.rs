@@ -111,7 +111,7 @@ impl Elastic {
         let change = if self.turns() { dv[0] } else { 0.0 };
         let mut room = self.spin.room.borrow_mut();
         let [a, b, c] = room.each_mut().map(|x| sized(x, q.len()));
-        // The state's own terms, times what the speed changes by.
+        // The terms of the state, scaled by the change of the speed.
         i.outward(q, a);
         i.coriolis(v, b);
         i.softening(&dq[own..], c);

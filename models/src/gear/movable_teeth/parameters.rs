@@ -25,7 +25,7 @@ pub enum PerTooth {
     Each(Vec<f64>),
 }
 
-// By hand, because an untagged enum does not say what was found in place of a number.
+// Implemented by hand, because the error of an untagged enum does not describe the value that was found.
 impl<'de> Deserialize<'de> for PerTooth {
     fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
         struct Numbers;

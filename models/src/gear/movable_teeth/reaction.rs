@@ -45,7 +45,7 @@ impl MovableTeeth {
             return reaction;
         }
         if self.hub.lateral.is_some() {
-            // The bearing itself tells its force.
+            // The spring and damper of the bearing determine its force.
             return reaction;
         }
         let acceleration = |i: usize| {

@@ -62,7 +62,7 @@ impl Nodal {
         }
         let of_numbers = numbers.len().max(1);
         if numbers.is_empty() {
-            // The node that stands for none.
+            // Port of a contact without nodes.
             ports.blocks.clear();
             ports.blocks.push(Block { start: 0, len: 1 });
         }

@@ -318,7 +318,7 @@ pub(in crate::scene) fn rows_of(
     for k in 0..2 {
         let g = &gears[mesh.gears[k]];
         let sign = if k == slave { 1.0 } else { -1.0 };
-        // What fades a point out answers to the slave alone; radial, it does not turn the master.
+        // The taper of a point acts on the slave body only; it is radial and exerts no torque on the master.
         let aside = if k == slave { 0.0 } else { tapered_gap };
         match p.partner {
             Some(partner) if g.model.displacement().is_none() => {

@@ -225,7 +225,7 @@ pub(in crate::scene) fn islands(gears: &[SceneGear], meshes: &[SceneMesh]) -> Ve
             damped: mesh.law.is_dissipative(),
             slides: mesh.friction.is_some(),
         };
-        // Dashpots and friction also answer to the masses that they share.
+        // Dashpots and friction are also coupled by the masses that they share.
         let (joined, apart) = islands.into_iter().partition(|i: &Island| {
             shared(&i.compliant, &own.compliant)
                 || (i.dissipates

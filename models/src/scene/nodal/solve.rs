@@ -127,7 +127,8 @@ impl Nodal {
         at: StateView<'_>,
     ) -> f64 {
         let here = std::mem::take(&mut self.islands[island]);
-        // Gears whose nodes answer to forces: by compliance, and in a kick by their masses.
+        // Gears whose nodes are displaced by the forces: by their compliance, and within a half-step impulse by their
+        // masses.
         let kicked = self.impulse.acts && here.dissipates;
         let giving = if kicked {
             &here.fields

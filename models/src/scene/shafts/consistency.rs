@@ -67,7 +67,7 @@ pub(super) fn axis_of(
     shaft: &ShaftSpec,
 ) -> Result<([Vec3; 3], Vec3, f64), BuildError> {
     let Some((first, place)) = gears_of(spec, shaft).next() else {
-        // A carrier stands on the axis of the gears that its planets mesh with.
+        // A carrier has the axis of the gears that its planets mesh with.
         let carries = |s: &Station| match &s.carries {
             StationMember::Body(body) => Some((spec.centre_of(body)?, s.place)),
             StationMember::Gear(_) => None,

@@ -186,7 +186,7 @@ impl Shafts {
                 own.iter_mut().for_each(|l| l.damping = time * l.stiffness);
             }
         }
-        // Elastic ones first; rigid ones that say something new.
+        // Elastic links first, then those rigid links that are linearly independent.
         let (mut places, mut links) = (vec![None; all.len()], Vec::new());
         for (i, link) in all.iter().enumerate().filter(|(_, l)| !l.is_rigid()) {
             places[i] = Some(links.len());

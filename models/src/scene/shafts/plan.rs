@@ -178,7 +178,7 @@ impl Plan {
                 Some(section) => beam::elastic(section, length),
                 None => beam::rigid(length),
             };
-            // Torques are told between stations: ends that carry nothing have none.
+            // Torques are reported between stations; unloaded ends have none.
             let begins = pair[0]
                 .station
                 .is_some_and(|s| s + 1 < shaft.stations.len());

@@ -110,7 +110,7 @@ impl Reader<'_> {
                 ..
             }) => {
                 let mut part = std::mem::replace(&mut self.deck, outer);
-                // What was passed over in a part counts once, however often it stands in the assembly.
+                // A keyword that is ignored in a part counts once, however many instances the part has.
                 for (keyword, count) in std::mem::take(&mut part.passed_over) {
                     *self.deck.passed_over.entry(keyword).or_default() += count;
                 }

@@ -97,7 +97,7 @@ impl Reader<'_> {
     }
 
     pub(super) fn surface_behavior(&mut self, k: &Keyword) -> Result<(), DeckError> {
-        // In a step it changes what the model says of it.
+        // Within a step the keyword changes the interaction of the model, which is not read.
         if self.step.is_some() {
             return self.pass_over(k);
         }

@@ -178,7 +178,7 @@ impl Reader<'_> {
     }
 
     pub(super) fn boundary(&mut self, k: &Keyword) -> Result<(), DeckError> {
-        // What another model or a program says is no value of the deck's.
+        // Values from another model or program are not part of the deck.
         let elsewhere = [
             "SUBMODEL",
             "USER",

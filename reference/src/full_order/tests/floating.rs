@@ -54,7 +54,7 @@ fn floating(
         Arc::new(OutOfPlane {
             directions,
             bearing,
-            // What stands here is the body that a rigid gear would have.
+            // The body has the mass and inertia of the corresponding rigid gear.
             body: BodyMass {
                 mass: 1.0,
                 inertia: Matrix3::identity(),
@@ -212,7 +212,7 @@ fn energy_changes_by_the_powers() {
         let powers = gear.powers(at(T, &q, &v));
         let energy = gear.energy(at(T, &q, &v));
         let power = powers.external - powers.dissipated;
-        // Power of the elastic forces alone: what may cancel.
+        // Power of the elastic forces alone, which may cancel.
         let mut f = vec![0.0; q.len()];
         gear.forces(at(T, &q, &v), &mut f);
         let scale: f64 = f.iter().zip(&v).map(|(f, v)| (f * v).abs()).sum();

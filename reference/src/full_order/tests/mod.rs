@@ -161,7 +161,7 @@ fn force_is_minus_the_slope_of_the_strain_energy() {
             gear.energy(at(2.0, &q, &v)).strain
         };
         let slope = 0.5 * (energy(1.0) - energy(-1.0));
-        // What a turning hub pulls on its neighbours is inertia, not elasticity.
+        // The force of a rotating hub on its neighbours is inertial, not elastic.
         let frame_speed = gear.hub().speed(2.0, &v);
         if frame_speed == 0.0 {
             let work: f64 = f.iter().zip(&dq).map(|(f, d)| f * d).sum();

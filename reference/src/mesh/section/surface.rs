@@ -114,7 +114,7 @@ impl Surface {
             dip.push(FRAC_PI_2 * turned);
             follows.push((roll_form, (1.0 - length / root.total()).powi(2)));
         }
-        // In the middle of the space the row stands on the root.
+        // In the middle of the tooth space the row starts at the root.
         let last = start.len() - 1;
         dip[last] = FRAC_PI_2;
 

@@ -175,7 +175,7 @@ impl<T: Scalar> Lanczos<T> {
                     });
                 }
                 if let Target::Above(omega2) = target {
-                    // The Ritz values tell roughly how many there are.
+                    // The Ritz values give an estimate of their number.
                     let below = (ritz.theta.iter()).filter(|t| self.omega2(**t) <= omega2);
                     wanted = wanted.max(below.count() + 1);
                     capacity = capacity_for(wanted, self.block).min(n - self.block);

@@ -267,7 +267,7 @@ fn of_pair(
     let pitch = median(steps).filter(|_| a.len() > 1 || b.len() > 1);
     let pitch = pitch.ok_or_else(|| no(1, "only one tooth, so that there is no pitch".into()))?;
     let turns = |y: f64| (y - a[0]) / pitch;
-    // Right flanks stand a thickness further.
+    // Right flanks are offset by the tooth thickness.
     let thick = median(b.iter().map(|&y| turns(y).rem_euclid(1.0)))
         .ok_or_else(|| no(1, "no right flanks".into()))?;
     let uneven = |t: f64| (t - t.round()).abs() > UNEVEN;
@@ -291,7 +291,7 @@ fn of_pair(
     };
     let found: Vec<f64> = [teeth_of(&a, 0.0), teeth_of(&b, thick)].concat();
     let [first, last] = extent(found.iter().copied());
-    // Planes far apart are no reason to count what is not there.
+    // A large distance between planes must not produce a large count.
     let teeth = match last - first {
         more if more < found.len() as f64 => more as u32 + 1,
         more => return Err(no(2, format!("{} planes over {more} pitches", found.len()))),
@@ -322,7 +322,8 @@ fn of_pair(
     let fine = FINE * height;
     let singular = || no(2, "flanks that determine no rack".into());
     let (mut fit, mut residual) = fitted(&nodes, height).ok_or_else(singular)?;
-    // Again without what stands off most: reliefs, and fillets whose faces have nearly the same normal.
+    // The fit is repeated without the nodes of largest deviation: reliefs, and fillets whose faces have nearly the same
+    // normal.
     for _ in 0..12 {
         let off = |n: &Node| {
             let half = fit[3] + n.x.x * fit[4];

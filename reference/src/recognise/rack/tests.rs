@@ -70,7 +70,7 @@ fn generated_racks_are_found_again() {
                 assert_eq!(found.back_nodes.len(), own.bore.len(), "{case}");
                 let x = Rotation3::new(turn) * Vec3::x();
                 assert!((found.axes[0] - x).norm() < 1e-9, "{case}");
-                // The same flanks, tooth by tooth: perhaps seen from the other end.
+                // The flanks agree tooth by tooth, possibly counted from the opposite end.
                 let end = found.axes[2].dot(&(Rotation3::new(turn) * Vec3::z()));
                 assert!((end.abs() - 1.0).abs() < 1e-12, "{case}");
                 if end > 0.0 {

@@ -77,7 +77,7 @@ fn sector_and_whole_mesh_agree() {
                 );
                 assert!((x - y).abs() < 1e-6 * largest, "modes {range:?}: {x} {y}");
             }
-            // So is the answer of the hub.
+            // The hub response is checked likewise.
             let squares = |x: &[f64]| x[range.clone()].iter().map(|h| h * h).sum::<f64>();
             for (x, y) in [(&a.hub, &b.hub), (&a.participation, &b.participation)] {
                 let scale = x.iter().map(|x| x * x).fold(0.0, f64::max);

@@ -165,7 +165,7 @@ fn sector_and_whole_mesh_agree() {
         }
     }
     assert!(couples > 20 && spins > 20);
-    // Of a free gear no mode turns: the third of each rotation is what is added at the hub, held back.
+    // No mode of a free gear rotates the body: its rotation integral cancels that of the added inertia at the hub.
     let own = |i: usize| x.rotation[3 * i + 2] + 1e-5 * a.hub[i];
     assert!((0..m).all(|i| own(i).abs() < 1e-8 * a.inertia.sqrt()));
 }

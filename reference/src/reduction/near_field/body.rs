@@ -120,7 +120,7 @@ impl Rows {
         let at = |row: usize, column: usize| row * grid.columns + column;
         let z = |column: usize| grid.positions[at(0, column)].z;
         let width = (z(grid.columns - 1) - z(0)).abs();
-        // Each column stands for half of the width on either side of it.
+        // Each column represents half of the width on either side of it.
         let share = |c: usize| {
             let (before, after) = (c.saturating_sub(1), (c + 1).min(grid.columns - 1));
             0.5 * (z(after) - z(before)).abs()

@@ -143,7 +143,7 @@ impl MeshRecovery {
             let size = dot(&wanted, &wanted);
             let n = same.len();
             let gram = Mat::from_fn(n, n, |i, j| {
-                // What hardly moves the flanks must not make the mixture singular.
+                // Modes that hardly move the flanks must not make the combination singular.
                 let more = if i == j { 1e-12 * size } else { 0.0 };
                 dot(&at_flanks[i], &at_flanks[j]) + more
             });

@@ -223,7 +223,7 @@ impl<'a> Reader<'a> {
                 shape_text(&head.shape),
             ));
         };
-        // What an archive holds is as large as its heads say, however small the archive is.
+        // The size of the unpacked arrays is given by their headers, not by the size of the archive.
         self.bytes.set(self.bytes.get() + (N * count) as f64);
         let what = "the arrays of a stored reduction";
         limits::check(

@@ -108,7 +108,7 @@ fn scale(b: &Basis, meta: &Meta) -> Option<StoreError> {
     let [low, high] = places.fold(ends, |[a, b], x| [a.min(x.z), b.max(x.z)]);
     let width = high - low;
     let young = meta.material.young;
-    // Of the outward rows: along the profile a node may hardly move.
+    // The outward rows are used, because a node may hardly move along the profile.
     let step = if b.along_profile { 2 } else { 1 };
     let normal = rows(b).step_by(step).map(|k| (k, between(b, k, k)));
     let within = |c: f64| (COMPLIANT[0]..=COMPLIANT[1]).contains(&(young * width * c));

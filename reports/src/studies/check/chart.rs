@@ -33,7 +33,7 @@ pub fn history(record: &CheckRecord) -> Result<Vec<Chart>, DrawError> {
     let numbers = || trends.iter().flat_map(|t| t.points.iter().map(|p| p.0));
     let (first, last) = (numbers().min().unwrap_or(1), numbers().max().unwrap_or(1));
     let x = Axis::linear(f64::from(first) - 0.3, f64::from(last) + 0.3);
-    // One tick for each baseline, as far as they can be told apart.
+    // One tick for each baseline, as far as they are distinguishable.
     let every = ((last - first) / 15 + 1) as usize;
     let ticks = (first..=last).step_by(every);
     let mut panel = Panel::new(240.0, &x, &format!("{} [%]", record.quantity));

@@ -86,7 +86,7 @@ fn numbers_are_numbers() {
     assert!(!table.contains('\u{2212}'), "{table}");
     let old: CheckedValue = serde_json::from_str("\"0.2\"").unwrap();
     assert_eq!(old, "0.2".into());
-    // People see as many digits as distinguish both, with one minus sign.
+    // The text has as many digits as distinguish both values, with one minus sign.
     let [now, before] = record.entries[0].findings[0].texts();
     assert!(now != before && now.starts_with("\u{2212}1.3599"), "{now}");
     assert_eq!(record.entries[0].findings[1].texts(), ["813", "812"]);

@@ -76,7 +76,7 @@ pub fn choice_check(choices: &[ValidatedChoice]) -> Result<Vec<Chart>, DrawError
     let adequate = is(Outcome::Adequate);
     let ratio = |s: &ValidatedChoice| s.cost_ratio();
     cost.curves = vec![points(curve_style(1), 3.8, true, &adequate, &ratio)];
-    // Misses and scenes without an answer have no ratio: they stand on the strip above.
+    // Wrong choices and scenes without a choice have no ratio; they are drawn on the strip above.
     for (kept, look) in [
         (
             (|o| o.is_met() || o == Outcome::NotDecided) as fn(Outcome) -> bool,

@@ -94,7 +94,7 @@ impl<'a> Histories<'a> {
                 style: None,
             })
             .collect();
-        // Further references: thin, beside the one that runs are held against.
+        // Further references are thin lines, in addition to the one that runs are compared with.
         let others = (view.results.references.iter())
             .filter(|r| !r.series.is_empty() && reference.is_some_and(|m| m.id != r.id));
         let plain = curves.len();
@@ -144,7 +144,7 @@ impl<'a> Histories<'a> {
             .map(|m| m.gears.clone())
             .collect();
         let all: Vec<&TimeSeries> = curves.iter().map(|c| c.series).collect();
-        // A reference may lack a force.
+        // A reference may have no force.
         let busiest = curves.iter().find(|c| c.has_force());
         let zoom = busy_window(busiest.map_or(*all.first()?, |c| c.series)).map(time_axis);
         let mut found = Self {

@@ -223,7 +223,7 @@ fn by_pair(contacts: &[ContactPoint]) -> Vec<ContactPoint> {
                     pair.force[k] += contact.force[k];
                     pair.point[k] += share * (contact.point[k] - pair.point[k]);
                 }
-                // Of several lines over the width the most pressed one.
+                // The line with the largest load, of several over the width.
                 if contact.pressure_pa > pair.pressure_pa {
                     (pair.pressure_pa, pair.half_width_m) =
                         (contact.pressure_pa, contact.half_width_m);

@@ -121,7 +121,7 @@ fn leaders(cloud: &WorkPrecision<'_>) -> Markup {
         all.map(move |s| (s, fitted_too)).collect::<Vec<_>>()
     };
     let mut rows = of(false);
-    // Only what a fit changes is told again.
+    // Rows with fitted models are added only where a fit changes the result.
     let fits = of(true).into_iter();
     rows.extend(fits.filter(|(s, _)| s.next.is_some_and(|(rival, _)| rival.is_fitted())));
     if rows.is_empty() {

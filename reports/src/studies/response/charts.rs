@@ -30,7 +30,7 @@ fn curves(
     while start < points.len() {
         let holds = points[start].0;
         let length = points[start..].iter().take_while(|p| p.0 == holds).count();
-        // Where flanks part the line goes on to the points beside.
+        // Where flanks separate, the line is extended to the neighbouring points.
         let beside = usize::from(!holds);
         let from = start.saturating_sub(beside);
         let end = (start + length + beside).min(points.len());

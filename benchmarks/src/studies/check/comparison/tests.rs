@@ -81,7 +81,7 @@ fn half_as_long_again_is_slow_where_processors_compare() {
         found.len() == 1 && found[0].starts_with("runtime 0.75, baseline 0.5"),
         "{found:?}"
     );
-    // Another processor, or a check that does not gate it: said, no more.
+    // On another processor, or without a gate, the difference is only reported.
     assert_eq!(
         moved_of(now.clone(), &rules(""), false),
         Vec::<String>::new()

@@ -64,7 +64,7 @@ fn a_study_labels_its_runs() {
                 < 1e-12
         );
     }
-    // The same, however many threads.
+    // The result does not depend on the number of threads.
     let again = study(&plan, &Runner::default(), 1).expect("a record");
     assert_eq!(again.couplings(), results.couplings());
 }

@@ -170,7 +170,7 @@ pub fn minimise(
                 _ => lambda *= 5.0,
             }
         }
-        // The next damping starts anew where none led down.
+        // The damping is reset if no trial reduced the sum of squares.
         lambda = lambda.min(1.0);
     }
 }

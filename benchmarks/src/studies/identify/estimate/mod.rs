@@ -151,7 +151,7 @@ pub fn estimate(problem: &Problem, residuals: &mut Residuals<'_>) -> Option<Esti
         least,
         mut evaluations,
     } = descents;
-    // Valleys are told apart roughly; the deepest is gone down to its end.
+    // Minima are distinguished with a coarse tolerance; the lowest is then converged.
     let minimum = minimise(residuals, coordinates, free, &least?.z, Effort::WHOLE)?;
     evaluations += minimum.evaluations;
     let known = uncertainty(&minimum, (coordinates, free), &problem.blocks, LEVEL);

@@ -165,7 +165,7 @@ pub fn uncertainty(
     let q = moving.len();
     let jacobian = minimum.jacobian.select_columns(&moving);
 
-    // The pseudo-inverse of J^T J, and what it leaves out.
+    // The pseudo-inverse of J^T J, and the directions that it excludes.
     let normal = jacobian.tr_mul(&jacobian);
     let eigen = normal.symmetric_eigen();
     let greatest = eigen.eigenvalues.iter().copied().fold(0.0, f64::max);

@@ -67,7 +67,7 @@ fn every_resolution_is_a_row_with_both_errors() {
         results.runs.iter().filter(mine).collect()
     };
     for variant in [None, Some("iso6336")] {
-        // The fitted model says so, the other has nothing to say.
+        // Only the fitted model states the data of its fit.
         let fitted = variant.is_none().then(|| "calculix".to_owned());
         let verlet = of(variant, "velocity-verlet");
         assert!(verlet.iter().all(|r| r.fitted_to == fitted));
@@ -158,7 +158,7 @@ fn references_go_with_their_contact() {
     assert_eq!(against(&rack, "elastic"), "calculix fe");
     assert_eq!(against(&rack, "rigid"), "calculix fe");
 
-    // Named on the command line, the reference stands for all, and the settings say where contacts differ.
+    // A reference named on the command line applies to all models; the settings state where its contact differs.
     let named = |id: &str| {
         let against = vec![id.to_owned()];
         let asked = PrecisionOptions {
@@ -189,7 +189,7 @@ fn without_finite_elements_the_densest_elastic_model_is_the_reference() {
     let most = plan.variants.iter().filter_map(|v| v.modes).max().unwrap();
     assert!(plan.fulls[0].title.contains(&format!("{most} modes")));
     assert!(plan.variants.iter().all(|v| v.against == ["elastic"]));
-    // A scene of rigid gears has nothing to be held against but itself.
+    // Rigid gears without a reference are compared with their own converged solution only.
     let plan = plan_of(&scene.select(Some("rigid")).unwrap());
     assert!(plan.fulls.is_empty() && plan.variants.iter().all(|v| v.against.is_empty()));
 }

@@ -103,7 +103,7 @@ impl Linearised {
         let s = self.closed.as_ref().unwrap_or(&self.start);
         let mass = mass(&mut self.scene, s);
         let stiffness = stiffness(&mut self.scene, s);
-        // What was prepared is forgotten at the start of a run.
+        // Prepared data are reset at the start of a run.
         self.scene.begin(&mut s.clone(), false);
         let none = DMatrix::zeros(omega.len(), omega.len());
         let mut rest = Dense::of(mass, (none, None), stiffness)?.stiffness;
@@ -249,7 +249,7 @@ fn closed_state(scene: &mut Scene, spec: &SceneSpec) -> Option<State> {
     };
     let mut integrator = method.build();
     let mut s = scene.initial();
-    // A run that ends early has kept what it passed through.
+    // A run that ends early has stored the states so far.
     let _ = integrator.run(scene, &mut s, &plan, &mut watch, &mut Work::default());
     let mut best: Option<((usize, f64), State)> = None;
     for s in watch.kept.into_iter().chain(watch.peak.1) {

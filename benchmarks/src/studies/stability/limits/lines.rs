@@ -68,7 +68,7 @@ impl Linearised {
         let Some(omega) = self.oscillators() else {
             return Ok(None);
         };
-        // Without what steps leave out.
+        // Without the forces that the method filters.
         let rest = self.rest(&omega, impulses, f64::MIN_POSITIVE)?;
         let stiffest = rest.symmetric_eigenvalues().max();
         if stiffest <= 0.0 {

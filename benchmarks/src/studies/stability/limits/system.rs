@@ -120,7 +120,7 @@ impl SecondOrderSystem for Vibrations {
         let mut v = Vec::new();
         kick.end(forces.as_slice(), &mut v);
         let mut v = DVector::from_vec(v);
-        // Methods that filter their kicks see oscillators and a rest.
+        // Methods with filtered impulses integrate oscillators exactly; the remaining forces act as impulses.
         if !ends.solve(kick.time, &mut v) {
             v.fill(f64::NAN);
         }

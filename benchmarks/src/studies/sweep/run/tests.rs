@@ -77,7 +77,7 @@ fn slow_running_comes_to_the_static_limit() {
     let s = results.runs[0].steady.as_ref().unwrap();
     let still = &results.statics()[0];
     assert!((s.error_peak_to_peak_m / still.error_peak_to_peak_m - 1.0).abs() < 0.02);
-    // Both stand at the same positions.
+    // Both are evaluated at the same positions.
     for (p, e) in still.position.iter().zip(&still.error_m) {
         let near = |q: &f64| (q - p).abs();
         let i = (0..s.position.len())

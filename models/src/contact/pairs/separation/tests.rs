@@ -140,7 +140,7 @@ fn a_relief_is_kept_where_it_is_smooth() {
     let start = of.tip - 3e-3;
     let removed = |rho: f64| 20e-6 * ((rho - start) / (of.tip - start)).max(0.0);
     let e = Separation::new(&of, 0.2 * of.tip, 257, Some(&removed));
-    // Far from its start and from the tip it stands off by the relief, less what the contact moves along it.
+    // Far from its start and from the tip, the separation is the relief less the shift by the contact.
     let s = of.tip - 1.5e-3;
     let (value, plain) = (e.eval(s)[0], removed(s));
     assert!(
@@ -148,7 +148,7 @@ fn a_relief_is_kept_where_it_is_smooth() {
         "{value:e} {plain:e}"
     );
     assert!(e.eval(start - 1e-3)[0].abs() < 1e-12);
-    // The edge stands off by all of it, and more.
+    // At the edge the separation exceeds the whole relief.
     let [tip, end] = e.edge();
     assert!(e.eval(0.5 * (tip + end))[0] > 20e-6);
     for i in 0..300 {

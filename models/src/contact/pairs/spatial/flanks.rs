@@ -123,7 +123,7 @@ impl Plane {
         let (alpha, helix) = (rack.transverse_pressure_angle(), rack.base_helix_angle());
         Plane {
             tan_pressure: alpha.tan(),
-            // Seen from the teeth a right-handed rack leans back along its slide.
+            // Viewed from the teeth, a right-handed rack is inclined backwards along its slide.
             tan_helix: -helix.tan() / alpha.cos(),
             cos: alpha.cos() * helix.cos(),
             half_thickness: rack.half_thickness_reference(),

@@ -26,7 +26,7 @@ impl Elastic {
         let own = self.hub.moving();
         let (list, n) = listed(self.hub.free_directions());
         let mass = lateral.mass(&s.frame.x, own, self.hub.inertia);
-        // What the hub answers to its six directions.
+        // Inertia of the hub in its six directions, condensed over the own coordinates.
         let mut b = [[0.0; 6]; 6];
         for d in 0..6 {
             let mut along = Motion::default();

@@ -156,7 +156,7 @@ fn a_free_gear_that_spins_and_vibrates_keeps_momentum_and_energy() {
         )
     };
     let (coarse, fine) = (drift(SpinTerms::Full, 200), drift(SpinTerms::Full, 400));
-    // What the deformation takes from the hub's speed is far above what the method loses.
+    // The effect of the deformation on the speed of the hub is far larger than the error of the method.
     assert!(fine.2 > 1e-3, "{fine:?}");
     assert!(fine.0 < 1e-6 && fine.1 < 1e-5, "{fine:?}");
     // Order four or better.
@@ -307,7 +307,7 @@ fn terms_enter_by_themselves_beyond_the_limit() {
     let mut still = gear(Mount::Fixed, SpinTerms::Full);
     still.decide_spin_terms(0.0);
     assert!(still.spinning().is_none());
-    // Asked for, and refused where there is nothing to take them from.
+    // Requested terms are refused if the reduction does not contain them.
     let mut bare = gear(Mount::Revolute, SpinTerms::None);
     bare.decide_spin_terms(1e6);
     assert!(bare.spinning().is_none());

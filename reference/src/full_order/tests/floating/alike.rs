@@ -106,7 +106,7 @@ fn a_hub_about_z_is_that_of_one_direction() {
                 floats.mount_reaction(now, &g, &wrench),
             );
             close(x.force.as_slice(), y.force.as_slice(), "reaction");
-            // The torque of a drive that slides is told as a force there.
+            // The load of a translating drive is reported as a force.
             if slide.is_none() {
                 assert!((x.torque - y.torque).abs() <= 1e-9 * x.torque.abs());
             }

@@ -78,7 +78,7 @@ fn packed_archives_and_further_arrays_are_read() {
         all_bits(&read_bytes("x", &packed).unwrap().basis),
         all_bits(&basis)
     );
-    // An array that this version does not know, and a file that is none.
+    // An unknown array, and a file that is no array.
     let further = "further.npy";
     let out = with_further(&bytes, further, &array("<c16", &[], &[1.0, 2.0]));
     let out = with_further(&out, "read me", b"?");

@@ -60,7 +60,7 @@ pub(super) fn integration(
                 continue;
             };
             let scale = Scale {
-                // One range of errors for all: models can be told apart by cost alone.
+                // One range of errors for all models, which then differ in cost only.
                 y: whole.y.clone(),
                 ..own
             };

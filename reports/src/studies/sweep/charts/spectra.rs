@@ -20,7 +20,7 @@ pub(super) fn spectra(all: &[SweptBranch<'_>]) -> Result<Option<Chart>, DrawErro
     let Some(fn_hz) = resonance(all) else {
         return Ok(None);
     };
-    // Well beyond the mesh resonance bodies and teeth answer.
+    // Far above the mesh resonance, modes of bodies and teeth respond.
     let top = highest.min(6.0 * fn_hz);
     let x = Axis::decades(0.9 * KHZ * lowest, KHZ * top);
     let bearings = settled(all).next().map_or(&[][..], |r| &r.bearings);

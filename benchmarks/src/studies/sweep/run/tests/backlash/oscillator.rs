@@ -59,7 +59,7 @@ impl IndependentOscillator {
 
     fn step(&mut self, mut h: f64) {
         while h > 0.0 {
-            // On the boundary the speed says where to.
+            // On the boundary the sign of the speed decides between contact and separation.
             let off = self.x[0] - 1.0;
             let closed = off > 1e-13 || (off.abs() <= 1e-13 && self.x[1] > 0.0);
             let stays = |x: [f64; 2]| (x[0] > 1.0) == closed;
