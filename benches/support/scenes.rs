@@ -77,6 +77,6 @@ pub fn store(command: &str, mut figures: serde_json::Value) {
     figures["command"] = json!(command);
     figures["machine"] = json!(machine::machine());
     figures["date"] = json!(machine::now());
-    figures["commit"] = json!(machine::COMMIT);
+    figures["commit"] = json!(machine::commit_of_checkout());
     std::fs::write(&file, format!("{figures:#}\n")).unwrap_or_else(|e| panic!("{file}: {e}"));
 }

@@ -101,8 +101,8 @@ pub struct TimePlan<'a> {
     pub events: bool,
     /// Largest number of steps, rejected ones included.
     pub max_steps: u64,
-    /// Bound on the processor time of the integration, without the time of observers ([`Sink::spent`]). A run whose
-    /// pace would exceed it by far is stopped early.
+    /// Bound on the processor time of the run, observers included. A run whose pace would exceed it by far is stopped
+    /// early.
     pub time_limit: Option<Duration>,
     /// Flag that is set from outside to stop the run.
     pub cancel: Option<&'a AtomicBool>,
@@ -214,7 +214,8 @@ pub trait Sink {
         true
     }
 
-    /// Returns the wall time that the sink itself has used so far. No bound of a run counts it.
+    /// Returns the wall time that the sink itself has used so far. It is no cost of the method, but counts against the
+    /// time limit of the run.
     fn spent(&self) -> Duration {
         Duration::ZERO
     }

@@ -52,20 +52,8 @@ const ASKED: (f64, f64) = (0.95, 2.0);
 /// Accepted range of the share of 95 % intervals that contain the true value.
 const COVERAGE: [f64; 2] = [0.90, 0.99];
 
-/// Commit of the checkout, which the validation runs in.
-fn commit() -> String {
-    let git = |args: &[&str]| {
-        let done = std::process::Command::new("git").args(args).output().ok()?;
-        (done.status.success()).then(|| String::from_utf8_lossy(&done.stdout).trim().to_owned())
-    };
-    let commit = git(&["rev-parse", "--short=12", "HEAD"]).unwrap_or_else(|| "unknown".into());
-    let changes = git(&["status", "--porcelain", "--untracked-files=no"]);
-    let mark = if changes.is_some_and(|c| !c.is_empty()) { "+" } else { "" };
-    commit + mark
-}
-
 fn main() -> ExitCode {
-    machine::set_commit(commit());
+    machine::set_commit(machine::commit_of_checkout());
     cache::choose(Cache::standard());
     let told = terminal::command_line("gearbench-validation");
     let done = match Cli::parse().command {

@@ -53,16 +53,16 @@ pub struct BoundedOutput {
     /// Where results go.
     #[command(flatten)]
     pub output: Output,
-    /// Limit on the processor time of one integration in seconds; a run whose progress is far too slow for it ends
-    /// early
+    /// Limit on the processor time of one run in seconds; a run whose progress is far too slow for it ends early
     ///
-    /// The limit excludes the time for recording results and other work of the machine.
+    /// The limit counts the integration and the recording of its histories, but not the set-up of the model and other
+    /// work of the machine.
     #[arg(long, value_name = "S", default_value_t = DEFAULT_TIMEOUT, value_parser = positive)]
     pub timeout: f64,
 }
 
 impl BoundedOutput {
-    /// Bound of one integration.
+    /// Bound of one run.
     pub fn timeout(&self) -> Duration {
         Duration::from_secs_f64(self.timeout)
     }

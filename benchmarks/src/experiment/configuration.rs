@@ -1,6 +1,6 @@
 //! A configuration to run: one model of a scene with its parameters.
 
-use crate::scene_file::{ModelChoice, SceneFile};
+use crate::scene_file::{ModelChoice, NamedReference, SceneFile};
 use gearbench_integrators::Scheme;
 use gearbench_models::spec::{Modelling, SceneSpec};
 use gearbench_reports::record::{Run, Status};
@@ -86,10 +86,15 @@ pub fn refused(label: &str, model: &str, why: String) -> Run {
     }
 }
 
-/// The reference to whose history the constants of a model were fitted.
+/// The reference of the scene to whose history the constants of a model were fitted, according to its calibration.
 fn fitted_to(scene: &SceneFile, choice: &ModelChoice) -> Option<String> {
     let calibration = choice.calibration.as_ref()?;
-    let here = calibration.fitted_to().to_history() && calibration.scene == scene.name;
-    let reference = scene.reference().filter(|_| here)?;
-    Some(reference.name.clone())
+    let fitted = &calibration.stored.as_ref()?.fitted_to;
+    let is_fitted = |r: &&NamedReference| match r.stored() {
+        Some(id) => fitted.iter().any(|name| name == id),
+        // Tables of two scenes may have one name.
+        None => calibration.scene == scene.name && fitted.contains(&r.name),
+    };
+    let mut references = scene.references.iter().filter(|r| r.is_of_the_scene());
+    references.find(is_fitted).map(|r| r.name.clone())
 }

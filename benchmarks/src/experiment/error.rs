@@ -21,8 +21,8 @@ pub enum RunError {
     #[error("{0}")]
     Unsupported(String),
     /// The integrator needs a linear part, which the model does not have.
-    #[error("{0}")]
-    NoLinearPart(String),
+    #[error(transparent)]
+    NoLinearPart(#[from] CoupledCoordinates),
     /// A reference run did not reach the end.
     #[error("{0}")]
     Reference(String),
@@ -40,39 +40,54 @@ pub enum RunError {
     Journal(#[from] JournalError),
 }
 
+/// Refusal of a method for independent oscillators by a scene with coupled coordinates.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "`{method}` needs coordinates that are independent oscillators: {why}; {}name another integrator for this model, for example dopri5 or hht-alpha",
+    .without.as_ref().map_or_else(String::new, |w| format!("omit them with {w}, or "))
+)]
+pub struct CoupledCoordinates {
+    /// Id of the method.
+    pub method: String,
+    /// Cause of the coupling.
+    pub why: String,
+    /// The key that omits the coupling terms, where there is one.
+    pub without: Option<String>,
+}
+
 impl RunError {
     /// The refusal of a method for uncoupled oscillators by a scene with coupled coordinates: the reason, and advice.
     pub fn no_linear_part(method: &str, scene: &Scene, spec: &SceneSpec) -> RunError {
-        const OTHER: &str =
-            "name another integrator for this model, for example dopri5 or hht-alpha";
         let name = |i: usize| spec.gears.get(i).map_or("", |g| g.name.as_str());
+        let mut without = None;
         let why = match scene.coupling() {
-            Some(Coupling::Carrier) => {
-                format!("the rotation of the carrier couples the gears on it; {OTHER}")
+            Some(Coupling::Carrier) => "the rotation of the carrier couples the gears on it".into(),
+            Some(Coupling::Gyroscopic(i)) => {
+                without = Some("`spin_terms = \"off\"` of the gears on bearings".into());
+                format!(
+                    "gyroscopic terms couple the directions of `{}` on its bearing",
+                    name(i)
+                )
             }
-            Some(Coupling::Gyroscopic(i)) => format!(
-                "gyroscopic terms couple the directions of `{}` on its bearing; remove them (`spin_terms = \"off\"` of the bearing), or {OTHER}",
-                name(i)
-            ),
-            Some(Coupling::Coriolis(i)) => format!(
-                "Coriolis forces couple the modes of `{}`; remove them (`spin_terms = \"none\"` in the parameters of the model), or {OTHER}",
-                name(i)
-            ),
+            Some(Coupling::Coriolis(i)) => {
+                without = Some("`spin_terms = \"none\"` in the parameters of the model".into());
+                format!("Coriolis forces couple the modes of `{}`", name(i))
+            }
             Some(Coupling::Bearing(i)) => format!(
-                "the bearing of `{}` has clearance or couples its directions; {OTHER}",
+                "the bearing of `{}` has clearance or couples its directions",
                 name(i)
             ),
             Some(Coupling::Gear(i)) => format!(
-                "the coordinates of `{}` are coupled, in contrast to those of rigid and elastic gears; {OTHER}",
+                "the coordinates of `{}` are coupled, in contrast to those of rigid and elastic gears",
                 name(i)
             ),
-            Some(Coupling::Shaft) | None => {
-                format!("a rigid shaft couples coordinates that vibrate; {OTHER}")
-            }
+            Some(Coupling::Shaft) | None => "a rigid shaft couples coordinates that vibrate".into(),
         };
-        RunError::NoLinearPart(format!(
-            "`{method}` needs coordinates that are independent oscillators: {why}"
-        ))
+        RunError::NoLinearPart(CoupledCoordinates {
+            method: method.to_owned(),
+            why,
+            without,
+        })
     }
 
     /// True if the method does not apply to the model, so that a study omits the pair and continues.

@@ -18,6 +18,18 @@ pub fn commit() -> &'static str {
     COMMIT.get().map_or("unknown", String::as_str)
 }
 
+/// Commit of the checkout in the working folder, for programs that run in one; `+` marks a tree with changes.
+pub fn commit_of_checkout() -> String {
+    let git = |args: &[&str]| {
+        let done = std::process::Command::new("git").args(args).output().ok()?;
+        (done.status.success()).then(|| String::from_utf8_lossy(&done.stdout).trim().to_owned())
+    };
+    let commit = git(&["rev-parse", "--short=12", "HEAD"]).unwrap_or_else(|| "unknown".into());
+    let changes = git(&["status", "--porcelain", "--untracked-files=no"]);
+    let mark = if changes.is_some_and(|c| !c.is_empty()) { "+" } else { "" };
+    commit + mark
+}
+
 /// The header of a record that is made by this program on this computer now.
 pub fn header(scene: &str, title: &str, command: &str) -> StudyHeader {
     StudyHeader {

@@ -73,7 +73,7 @@ pub struct Job<'a> {
     pub events: bool,
     /// Number of timed repeats.
     pub repeats: u32,
-    /// Bound on the processor time of one integration, without recording.
+    /// Bound on the processor time of one run, with the recording of its histories.
     pub timeout: Duration,
     /// Bound on the number of steps, rejected ones included; unlike a timeout it does not depend on the machine.
     pub max_steps: u64,

@@ -13,6 +13,7 @@
 //! path_curvature = -0.1            # likewise
 //! tooth_stiffness_n_per_m = 5.3e8  # any further key: a parameter of the gear model
 //! pinion.tooth_mass_kg = 4e-3      # that of one gear, in the place of what all have
+//! fitted_to = ["calculix/case-a"]  # references whose histories were fitted; constants without it are no fit
 //! ```
 //!
 //! Calibrations of shipped scenes are embedded (`benchmarks/calibrations/NAME.toml`); a scene file of the user has its
@@ -110,8 +111,12 @@ pub struct Constants {
     pub curvature: Option<f64>,
     /// Parameters of the gear model by key, in SI units; the key `GEAR.KEY` is that of one gear, see [`of_gear`].
     pub parameters: BTreeMap<String, f64>,
+    /// References to whose histories the constants were fitted; empty for constants of another origin.
+    pub fitted_to: Vec<String>,
 }
 
+/// Key of [`Constants::fitted_to`].
+pub const FITTED_TO: &str = "fitted_to";
 /// Key of [`Constants::stiffness`].
 pub const STIFFNESS: &str = "stiffness_n_per_m2";
 /// Key of [`Constants::damping`].
@@ -174,7 +179,11 @@ impl Constants {
     #[must_use]
     pub fn merged_with(&self, older: &Constants) -> Constants {
         let all = [older.by_key(), self.by_key()].concat();
-        Constants::of(all.iter().map(|(key, x)| (key.as_str(), *x)))
+        let later = [self, older].into_iter().find(|c| !c.fitted_to.is_empty());
+        Constants {
+            fitted_to: later.map_or_else(Vec::new, |c| c.fitted_to.clone()),
+            ..Constants::of(all.iter().map(|(key, x)| (key.as_str(), *x)))
+        }
     }
 
     /// Replaces the values of the scene in contacts and in gears with the model, except for the gap. `names` are those
@@ -240,9 +249,11 @@ pub struct Calibration {
     pub sets: BTreeMap<String, BTreeMap<String, Constants>>,
 }
 
-/// A constant for all gears, or constants by gear.
+/// A constant for all gears, constants by gear, or the names of the fitted references.
 #[derive(Clone, Debug, Deserialize)]
 pub(super) enum OneOrOfGear {
+    #[serde(rename = "<list>")]
+    Names(Vec<String>),
     #[serde(rename = "<number>")]
     One(f64),
     #[serde(rename = "<table>")]
@@ -264,6 +275,7 @@ fn flat<'a>(values: OrderedTable<OneOrOfGear>, at: &Place<'a>) -> Vec<(String, f
                 |(name, x): (String, f64)| (format!("{key}.{name}"), x, at.key(&key).key(&name));
             own.0.into_iter().map(of).collect()
         }
+        OneOrOfGear::Names(_) => Vec::new(),
     };
     values.0.into_iter().flat_map(of).collect()
 }
@@ -295,6 +307,22 @@ impl Calibration {
             let mut constants = BTreeMap::new();
             for (label, values) in labels.0 {
                 let at = at.key(&set).key(&label);
+                let mut fitted_to = Vec::new();
+                for (key, value) in &values.0 {
+                    match value {
+                        OneOrOfGear::Names(names) if key == FITTED_TO => {
+                            fitted_to.clone_from(names);
+                        }
+                        OneOrOfGear::Names(_) => {
+                            return at.key(key).refuse(
+                                format!("`{key}` is a list"),
+                                "expected a number",
+                                format!("only `{FITTED_TO}` is a list, of the fitted references"),
+                            );
+                        }
+                        OneOrOfGear::One(_) | OneOrOfGear::OfGear(_) => {}
+                    }
+                }
                 let values = flat(values, &at);
                 // A gap and the course along the path may have any sign, a damper be none.
                 let wrong = |key: &str, x: f64| {
@@ -309,7 +337,11 @@ impl Calibration {
                     );
                 }
                 let values = values.iter().map(|(key, x, _)| (key.as_str(), *x));
-                constants.insert(label, Constants::of(values));
+                let of_label = Constants {
+                    fitted_to,
+                    ..Constants::of(values)
+                };
+                constants.insert(label, of_label);
             }
             calibration.sets.insert(set, constants);
         }
@@ -349,6 +381,10 @@ impl Calibration {
                         (None, name) => writeln!(text, "{} = {x:e}", key(name)),
                     };
                 }
+                if !constants.fitted_to.is_empty() {
+                    let names: toml_edit::Array = constants.fitted_to.iter().collect();
+                    let _ = writeln!(text, "{FITTED_TO} = {names}");
+                }
             }
         }
         text
@@ -371,6 +407,10 @@ mod tests {
             ("pinion.tooth_mass_kg", 3.8e-3),
             ("odd \"gear\".tooth_mass_kg", 2.8e-3),
         ]);
+        let constants = Constants {
+            fitted_to: vec!["calculix/case-a".into(), "odd \"name\"".into()],
+            ..constants
+        };
         let labels = [
             ("movable-teeth".to_owned(), constants.clone()),
             ("odd \"label\" \\ é".to_owned(), constants),
@@ -409,5 +449,10 @@ mod tests {
                 .contains("expected a table")
         );
         assert_eq!(refuse("[impact.rigid]\nx = ").line(), Some(2));
+        assert!(
+            refuse("[impact.rigid]\ngap_m = [\"calculix\"]")
+                .message()
+                .contains("`gap_m` is a list")
+        );
     }
 }

@@ -170,7 +170,10 @@ fn bounds_of_a_run_are_kept() {
             ..plan_for(m, 50.0)
         };
         let (_, work, result) = run(m, &mut Duffing, Duffing::start(), &plan);
-        let bound = Bound::Time(0.0);
+        let bound = Bound::Time {
+            limit: 0.0,
+            observers: 0.0,
+        };
         let stopped = StepError::Timeout {
             t: 0.0,
             steps: 0,

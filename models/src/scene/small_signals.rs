@@ -90,12 +90,27 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
 impl Scene {
     /// Linearises the scene about a state.
     pub fn linearised(&mut self, at: StateView<'_>) -> LinearisedScene {
+        LinearisedScene {
+            damping: self.damping_matrix(at),
+            ..self.without_damping(at)
+        }
+    }
+
+    /// Linearises the scene about a state, with a damping matrix of zeros, for searches that use mass and stiffness
+    /// alone.
+    pub fn without_damping(&mut self, at: StateView<'_>) -> LinearisedScene {
         let none = vec![0.0; self.n];
         LinearisedScene {
             mass: by_columns(self.n, |x, y| self.apply_mass(at, x, y)),
-            damping: -by_columns(self.n, |x, y| self.tangent_times(at, &none, x, y)),
+            damping: DMatrix::zeros(self.n, self.n),
             stiffness: -by_columns(self.n, |x, y| self.tangent_times(at, x, &none, y)),
         }
+    }
+
+    /// Computes the damping matrix at a state.
+    pub fn damping_matrix(&mut self, at: StateView<'_>) -> DMatrix<f64> {
+        let none = vec![0.0; self.n];
+        -by_columns(self.n, |x, y| self.tangent_times(at, &none, x, y))
     }
 
     /// Returns the constraints `C x = 0` of rigid shafts and of the ground of planetary sets.

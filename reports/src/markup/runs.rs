@@ -214,7 +214,7 @@ pub fn failures(view: &View<'_>) -> Markup {
             .any(|r| r.status == Status::Unchecked);
         let said = match unchecked {
             true => {
-                "No run failed. Runs called unchecked have a sound energy balance, but were not judged: nothing shows their error."
+                "No run failed. Runs called unchecked have a sound energy balance, but were not judged, or are not decided: nothing shows that their error is small enough."
             }
             false => "Every run converged.",
         };

@@ -3,6 +3,7 @@
 
 use crate::{finding, made_up, precision, written};
 use gearbench_reports::choice_check::{CheckRecord, Outcome, ValidatedChoice};
+use gearbench_reports::record::SELF;
 use gearbench_reports::stability::{Cell, Columns, Limit, Map, MapAxis, StabilityRecord};
 use gearbench_reports::store::PAGE;
 use gearbench_reports::{
@@ -304,6 +305,28 @@ fn a_fit_is_no_prediction() {
     }
     let said = text(finding(&written(&results)[PAGE]));
     assert!(said.contains("No model predicts the scene"), "{said}");
+}
+
+/// A tolerance against a model that did not run is not applied, and never called one of integration.
+#[test]
+fn a_tolerance_against_an_absent_model_is_not_applied() {
+    let mut results = made_up::impact_results();
+    results.references.clear();
+    if let Part::Compare(part) = &mut results.part {
+        part.yardstick = None;
+    }
+    for run in &mut results.runs {
+        run.metrics.retain(|m| m.against == SELF);
+    }
+    if let Some(tolerance) = &mut results.tolerance {
+        tolerance.against = "elastic".into();
+    }
+    let said = text(finding(&written(&results)[PAGE]));
+    assert!(
+        said.contains("is not applied, since elastic has no result"),
+        "{said}"
+    );
+    assert!(!said.contains("integrated within"), "{said}");
 }
 
 /// A page has neither keys of the format nor quoted names in its sentences, and singular and plural are correct.

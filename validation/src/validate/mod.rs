@@ -340,8 +340,8 @@ fn try_one(
     let whole = (problem.duration, times);
     let seen = match trial.observe(&candidate.method, whole, false, LONGEST) {
         Ok(seen) => seen,
-        Err(RunError::NoLinearPart(e) | RunError::Unsupported(e)) => {
-            tried.status = e;
+        Err(e @ (RunError::NoLinearPart(_) | RunError::Unsupported(_))) => {
+            tried.status = e.to_string();
             return Ok(tried);
         }
         Err(e) => return Err(e.into()),

@@ -227,6 +227,20 @@ fn bad_requirements_and_scenes_are_refused() {
     folder.refuses("choose spur_impact --tolerance 0", &["between 0 and 1"]);
     folder.refuses("choose nowhere", &["there is no scene `nowhere`"]);
     assert!(!folder.at("out").exists());
+    // The way out is one of `choose` and of the scene, not another integrator.
+    let free = "bearing = { stiffness = [1e8, 1e8, 5e7, 1e5, 1e5, 0.0] }\nspin_terms = \"on\"\nspeed_rad_s";
+    folder.write(
+        "spins.toml",
+        &scene("1e-6").replacen("speed_rad_s", free, 1),
+    );
+    folder.refuses(
+        "choose spins.toml",
+        &[
+            "gyroscopic terms",
+            "`spin_terms = \"off\"`",
+            "--yardstick refined",
+        ],
+    );
 }
 
 /// The choice is compared with every reference of the scene, at the speeds and loads of each; a reference outside of

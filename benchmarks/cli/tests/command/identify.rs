@@ -206,12 +206,45 @@ fn constants_that_are_not_fitted_stay_stored() {
         folder.says(&format!(
             "compare own.toml --models {model} {integrators} --out {model}"
         ));
-        run_of(&folder, &format!("{model}/results.json"))["parameters"].clone()
+        run_of(&folder, &format!("{model}/results.json"))
     };
-    let mass = &run("movable-teeth")["pinion"]["tooth_mass_kg"];
+    let teeth = run("movable-teeth");
+    let mass = &teeth["parameters"]["pinion"]["tooth_mass_kg"];
     assert_eq!(mass.as_f64(), Some(6e-3));
-    let stiffness = &run("rigid")["contact pinion - wheel"]["stiffness_n_per_m2"];
+    let rigid = run("rigid");
+    let stiffness = &rigid["parameters"]["contact pinion - wheel"]["stiffness_n_per_m2"];
     assert_eq!(stiffness.as_f64(), Some(1.4e10));
+    // Constants that were typed in are not called fitted to the reference.
+    let own = &teeth["metrics"][0]["against"];
+    assert!(own.is_string() && teeth["fitted_to"] == *own, "{teeth}");
+    assert!(rigid["fitted_to"].is_null(), "{rigid}");
+}
+
+/// A parameter of some models is fixed in these; one that no model has is refused.
+#[test]
+fn held_parameters_apply_where_they_exist() {
+    let folder = Folder::new();
+    own(&folder);
+    let fit = "identify own.toml --fit stiffness_n_per_m2 --out fit";
+    let held = "gap_m=2e-6,tooth_stiffness_n_per_m=8e8,tooth_mass_kg=5e-3";
+    let said = folder.says(&format!("{fit} --hold {held}"));
+    for key in ["tooth_stiffness_n_per_m", "tooth_mass_kg"] {
+        has(&said, &[&format!("--hold {key} does not apply to `rigid`")]);
+    }
+    assert!(!said.contains("--hold gap_m"), "{said}");
+    let record: serde_json::Value = serde_json::from_str(&folder.read("fit/results.json")).unwrap();
+    let keys = |fit: usize| -> Vec<&str> {
+        let all = record["fits"][fit]["parameters"].as_array().unwrap();
+        all.iter().filter_map(|p| p["key"].as_str()).collect()
+    };
+    let mut both = [keys(0), keys(1)];
+    both.sort_by_key(Vec::len);
+    assert_eq!(both[0], ["stiffness_n_per_m2", "gap_m"]);
+    assert_eq!(both[1].len(), 4, "{both:?}");
+    folder.refuses(
+        &format!("{fit} --hold tooth_mas_kg=1 --fresh"),
+        &["tooth_mas_kg"],
+    );
 }
 
 /// Measured histories of a rig: the force is fitted as the scene's reference, and the transmission error over the mesh cycle,

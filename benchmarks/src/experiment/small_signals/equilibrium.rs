@@ -212,7 +212,7 @@ fn slack_of(modes: &Modes) -> f64 {
 /// [`LoadedStateError`] if there is no equilibrium, or if it was not found.
 pub fn loaded(scene: &mut Scene, loads: bool) -> Result<LoadedState, LoadedStateError> {
     let mut s = scene.initial();
-    let first = scene.linearised(s.at());
+    let first = scene.without_damping(s.at());
     if !first
         .stiffness
         .iter()
@@ -238,7 +238,7 @@ pub fn loaded(scene: &mut Scene, loads: bool) -> Result<LoadedState, LoadedState
     let mut bound = BOUND;
     let farthest = BOUND.max(FARTHEST / search.scene.magnitudes().deflection);
     loop {
-        let linear = search.scene.linearised(s.at());
+        let mut linear = search.scene.without_damping(s.at());
         let modes = search.space.modes(&linear.stiffness)?;
         let all = search.forces(&s);
         let on = modes.vectors.tr_mul(&search.space.force(&all));
@@ -262,6 +262,8 @@ pub fn loaded(scene: &mut Scene, loads: bool) -> Result<LoadedState, LoadedState
             continue;
         }
         if !loads || balanced {
+            // A matrix by columns costs as much as the search itself, which needs none.
+            linear.damping = search.scene.damping_matrix(s.at());
             if loads {
                 s = search.moved(&s, &step, 1.0);
             }

@@ -5,7 +5,7 @@
 //! | newton failure | Newton's method did not converge, its matrix was singular, or the solver of a library failed |
 //! | step underflow | the tolerance required steps below the resolution of time |
 //! | chatter | contacts open and close at one instant without end |
-//! | timeout | the bound of processor time of the integration, or of steps, was reached |
+//! | timeout | the bound of processor time of the run with its recording, or of steps, was reached |
 //! | blow-up | a coordinate or an energy is not finite, or the energy has grown [`BLOWN_UP`]-fold |
 //! | energy growth | unexplained energy at the end ([`ENERGY_GROWTH`], [`Ledger::growth`]), or earlier ([`HOPELESS`]) |
 //! | tunnelling | teeth passed through each other, or overlapped without a force, or a step passed over a contact |
@@ -117,7 +117,7 @@ pub struct RunMonitor {
     fixed: bool,
     /// True if events are located.
     located: bool,
-    /// Wall time of the monitor, which counts neither as cost of the run nor against its time bound.
+    /// Wall time of the monitor, which does not count as cost of the run, but against its time bound.
     pub spent: Duration,
 }
 

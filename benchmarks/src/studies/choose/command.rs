@@ -200,6 +200,18 @@ fn refuse(scene: &SceneFile, problem: &Problem, e: ChooseError) -> Refusal {
         (ChooseError::Build(e) | ChooseError::Run(RunError::Build(e)), Some(label)) => {
             scene.locate_in(label, &e).into()
         }
+        (ChooseError::Run(RunError::NoLinearPart(coupled)), _) => {
+            let omitted = coupled.without.map_or_else(String::new, |key| {
+                format!("{key} omits these terms; with them, ")
+            });
+            Refusal::Input(miette::miette!(
+                help = format!(
+                    "{omitted}`gearbench compare` judges the models of the scene by refined gears under dopri5 (`--yardstick refined`)"
+                ),
+                "`choose` needs coordinates that are independent oscillators: {}",
+                coupled.why
+            ))
+        }
         (ChooseError::Run(e), _) => refuse_run(e),
         (e @ (ChooseError::NoContact { .. } | ChooseError::Build(_)), _) => {
             Refusal::Input(miette::miette!("{e}"))

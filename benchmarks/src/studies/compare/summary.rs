@@ -4,7 +4,7 @@ use crate::cli::terminal::print_line;
 use crate::experiment::run::LEFT_OUT;
 use gearbench_reports::numbers::{digits_apart, short};
 use gearbench_reports::record::{Results, Run, SELF, Status};
-use gearbench_reports::{Metric, finding, yardstick_of};
+use gearbench_reports::{Adequacy, Metric, finding, yardstick_of};
 
 /// True if the scene's tolerance excepts the model of a run.
 fn is_excepted(results: &Results, run: &Run) -> bool {
@@ -93,18 +93,64 @@ pub fn summarise(results: &Results) {
             results.runs.len()
         ));
     }
-    let gated = || results.runs.iter().filter(|r| !is_excepted(results, r));
-    let count = |status| gated().filter(|r| r.status == status).count();
-    let [inaccurate, unchecked] = [Status::Inaccurate, Status::Unchecked].map(count);
-    if results.tolerance.is_some() && inaccurate + unchecked > 0 {
-        print_line(&format!(
-            "of {} runs {inaccurate} are beyond the scene's tolerance, and {unchecked} were not judged by it: a run that was not judged has not passed",
-            results.runs.len()
-        ));
+    for line in verdicts(results).into_iter().chain(unsettled(results)) {
+        print_line(&line);
     }
     for sentence in finding(results).unwrap_or_default() {
         print_line(&sentence);
     }
+}
+
+/// Counts the runs that are beyond the tolerance of the scene, not decided or not judged; `None` if there are none.
+fn verdicts(results: &Results) -> Option<String> {
+    let tolerance = results.tolerance.as_ref()?;
+    let yardstick = yardstick_of(results).filter(|y| y.id == tolerance.against);
+    let not_decided = |r: &&Run| {
+        let error = (r.against(&tolerance.against)).and_then(|m| m.get(tolerance.metric));
+        let verdict = yardstick.as_ref().zip(error);
+        verdict.is_some_and(|(y, e)| y.verdict(e.abs(), tolerance.limit) == Adequacy::NotDecided)
+    };
+    let gated = || results.runs.iter().filter(|r| !is_excepted(results, r));
+    let of_status = |status| gated().filter(move |r| r.status == status);
+    let beyond = of_status(Status::Inaccurate).count();
+    let (open, unjudged): (Vec<&Run>, Vec<&Run>) =
+        of_status(Status::Unchecked).partition(not_decided);
+    let parts = [
+        (beyond, "beyond the scene's tolerance"),
+        (
+            open.len(),
+            "not decided, since the yardstick is not accurate enough",
+        ),
+        (unjudged.len(), "not judged by the tolerance"),
+    ];
+    let parts: Vec<String> = (parts.into_iter().filter(|(n, _)| *n > 0))
+        .map(|(n, what)| format!("{n} {what}"))
+        .collect();
+    (!parts.is_empty()).then(|| {
+        format!(
+            "of {} runs {}; only a run within the tolerance has passed",
+            results.runs.len(),
+            parts.join(", ")
+        )
+    })
+}
+
+/// Names the runs that the files of torque paths and load sharing leave out, with the reason.
+fn unsettled(results: &Results) -> Vec<String> {
+    let line = |run: &Run| {
+        let paths = run.paths.as_ref().filter(|p| !p.has_settled())?;
+        let files = match paths.sharing.is_empty() {
+            true => "torque_paths.csv leaves",
+            false => "torque_paths.csv and load_sharing.csv leave",
+        };
+        Some(format!(
+            "{files} out {} under {}: the run has not settled, its means change by {} % between both halves of the time; simulate longer",
+            run.model_label(),
+            run.integrator,
+            short(100.0 * paths.change_rel, 2)
+        ))
+    };
+    results.runs.iter().filter_map(line).collect()
 }
 
 /// Models, each with the converged solution that its runs are judged by.
@@ -120,4 +166,82 @@ fn own_solutions(results: &Results) -> Vec<(String, String)> {
         }
     }
     all
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use gearbench_reports::comparison::{CompareRecord, Yardstick};
+    use gearbench_reports::record::{Metrics, Part, Tolerance, TorquePaths};
+
+    /// A run whose error and that of the yardstick reach across the tolerance is not decided; one without an error is
+    /// not judged.
+    #[test]
+    fn runs_that_are_not_decided_are_not_called_unjudged() {
+        let run = |status, error: Option<f64>| Run {
+            status,
+            metrics: (error.into_iter())
+                .map(|e| Metrics {
+                    against: "refined".into(),
+                    peak_force_rel: Some(e),
+                    ..Metrics::default()
+                })
+                .collect(),
+            ..Run::called("rigid", "rigid")
+        };
+        let results = Results {
+            tolerance: Some(Tolerance {
+                metric: Metric::PeakForceRel,
+                against: "refined".into(),
+                limit: 0.05,
+                except: Vec::new(),
+            }),
+            part: Part::Compare(CompareRecord {
+                yardstick: Some(Yardstick {
+                    id: "refined".into(),
+                    error: Some(0.02),
+                    ..Yardstick::default()
+                }),
+                ..CompareRecord::default()
+            }),
+            runs: vec![
+                run(Status::Converged, Some(0.01)),
+                run(Status::Inaccurate, Some(0.2)),
+                run(Status::Unchecked, Some(0.045)),
+                run(Status::Unchecked, None),
+            ],
+            ..Results::default()
+        };
+        let line = verdicts(&results).unwrap();
+        for part in ["of 4 runs 1 beyond", "1 not decided", "1 not judged"] {
+            assert!(line.contains(part), "{line}");
+        }
+        let passed = Results {
+            runs: results.runs[..1].to_vec(),
+            ..results
+        };
+        assert_eq!(verdicts(&passed), None);
+    }
+
+    /// The terminal names each run that the files of torque paths leave out.
+    #[test]
+    fn runs_that_have_not_settled_are_named_with_the_files_that_lack_them() {
+        let run = |change_rel| Run {
+            integrator: "dopri5".into(),
+            paths: Some(TorquePaths {
+                change_rel,
+                ..TorquePaths::default()
+            }),
+            ..Run::called("rigid", "rigid")
+        };
+        let results = Results {
+            runs: vec![run(0.01), run(0.4)],
+            ..Results::default()
+        };
+        let lines = unsettled(&results);
+        assert_eq!(lines.len(), 1, "{lines:?}");
+        for part in ["torque_paths.csv", "rigid under dopri5", "40 %"] {
+            assert!(lines[0].contains(part), "{lines:?}");
+        }
+    }
 }

@@ -16,7 +16,8 @@
 //! mesh         e(mesh of the scene) q/(1 - q)   q = 1/4 on half-spaces, 1/2 where elements touch; all of e above 0.2
 //! ```
 //!
-//! Their sum is the error of the yardstick. Each of these runs is bounded by processor time as every other run is (`--timeout`).
+//! Their sum is the error of the yardstick. Each of these runs, with the recording of its history, is bounded by processor time as every other run is
+//! (`--timeout`).
 //! If refined gears do not reach the end, the most detailed model of the scene is the yardstick instead; if a further run
 //! does not, its part of the error is unknown. In both cases the error of the yardstick is unknown, so that no model is
 //! adequate or not adequate, and the comparison gives the reason.
@@ -261,6 +262,9 @@ impl YardstickRunner<'_> {
         let under = |method: &Scheme| {
             let job = Job {
                 repeats: 0,
+                // As in `choose`: the characteristic time of modes is far finer than any jump of a dashpot asks for, and
+                // recording within steps would take several times as long as the integration.
+                also_steps: false,
                 ..conditions.job((&self.problem.scene, &modelling), method, &grid)
             };
             let key = job.key().and(&"yardstick");
@@ -276,7 +280,7 @@ impl YardstickRunner<'_> {
         match made {
             Err(e) => cannot_run(&e).map(Err).ok_or(e),
             Ok(row) if row.status == Status::Timeout => Ok(Err(format!(
-                "{} of processor time are not enough for the {} of the scene; allow more with --timeout",
+                "{} of processor time are not enough for a run over the {} of the scene and its recording; allow more with --timeout",
                 quantity(conditions.timeout.as_secs_f64(), "s", 3),
                 quantity(conditions.duration, "s", 3)
             ))),

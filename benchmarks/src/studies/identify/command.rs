@@ -1,7 +1,7 @@
 //! `gearbench identify SCENE`: constants fitted to the scene's references, reported and, on request, written.
 
 use super::arguments::{Identify, WriteTarget};
-use super::parameters::FitOptions;
+use super::parameters::{FitOptions, has_key};
 use super::scene_update::{FittedConstants, write_scene};
 use super::summary::summarise;
 use super::write::{errors_and_intervals, write};
@@ -67,8 +67,10 @@ pub fn run(args: &Identify, command: &str) -> Result<CommandResult, Refusal> {
     let mut found: Vec<(&ModelChoice, Identification)> = Vec::new();
     let mut refused: Vec<(&ModelChoice, WorkError<IdentifyError>)> = Vec::new();
     let mut names = String::new();
-    for choice in &fitted {
-        let plan = plan(&scene, choice, (&references, &statics), args);
+    let held = held_by_model(&scene, &fitted, args);
+    for (choice, held) in fitted.iter().zip(held) {
+        let mut plan = plan(&scene, choice, (&references, &statics), args);
+        plan.wishes.held = held;
         let all: Vec<&str> = plan.data.iter().map(|d| d.name.as_str()).collect();
         names = all.join(" and ");
         let display = Display::new(0);
@@ -206,6 +208,34 @@ fn fit_to_json(fit: &gearbench_reports::identify::FitRecord) -> serde_json::Valu
     })
 }
 
+/// Returns the fixed parameters of each model: those that it has. A parameter that no model has stays with all of them,
+/// which then refuse it.
+fn held_by_model(
+    scene: &SceneFile,
+    fitted: &[&ModelChoice],
+    args: &Identify,
+) -> Vec<Vec<(String, f64)>> {
+    let has = |choice: &ModelChoice, key: &str| {
+        has_key(key, (&scene.spec_for(choice), &choice.modelling, models()))
+    };
+    let of = |choice: &&ModelChoice| {
+        let taken = |(key, _): &&(String, f64)| {
+            has(choice, key) || !fitted.iter().any(|other| has(other, key))
+        };
+        args.hold.iter().filter(taken).cloned().collect()
+    };
+    let held: Vec<Vec<(String, f64)>> = fitted.iter().map(of).collect();
+    for (choice, held) in fitted.iter().zip(&held) {
+        for (key, _) in args.hold.iter().filter(|h| !held.contains(h)) {
+            print_line(&format!(
+                "--hold {key} does not apply to `{}`, which has no such parameter",
+                choice.label
+            ));
+        }
+    }
+    held
+}
+
 fn calibrated(choice: &ModelChoice) -> bool {
     (choice.calibration.as_ref()).is_some_and(|c| c.label == choice.label)
 }
@@ -259,7 +289,7 @@ fn plan<'a>(
         held_out: held_out.iter().filter_map(of_reference).collect(),
         wishes: FitOptions {
             fit: args.fit.clone(),
-            held: args.hold.clone(),
+            held: Vec::new(),
             starts: args.start.clone(),
             bounds: args.bounds.clone(),
             scattered: args.starts.into(),

@@ -273,6 +273,13 @@ pub fn choose(
     Ok(chosen)
 }
 
+/// Returns true if the gears or contacts of a model have a parameter with this key.
+pub fn has_key(key: &str, of: (&SceneSpec, &Modelling, &[Model])) -> bool {
+    let id = of.1.gears.first().map(|g| g.id.as_str());
+    let model = of.2.iter().find(|m| Some(m.id) == id);
+    model.is_some_and(|model| check(key, model, of).is_ok())
+}
+
 /// Refuses a key that cannot be fitted.
 fn check(
     key: &str,

@@ -7,14 +7,14 @@ use super::plan::Identification;
 use crate::cli::files::write_whole;
 use crate::cli::terminal::Refusal;
 use crate::experiment::machine;
-use crate::scene_file::calibration::{CalibrationKind, Constants, of_gear};
+use crate::scene_file::calibration::{CalibrationKind, Constants, FITTED_TO, of_gear};
 use crate::scene_file::{Calibration, ModelChoice, SceneFile};
 use gearbench_reference::files;
-use gearbench_reports::identify::{FitRecord, Outcome};
+use gearbench_reports::identify::{DataKind, DataRecord, FitRecord, Outcome};
 use std::fmt::Display;
 use std::io::ErrorKind;
 use std::path::PathBuf;
-use toml_edit::{DocumentMut, Item, Table, Value};
+use toml_edit::{Array, DocumentMut, Item, Table, Value};
 
 /// Writes the constants that the data determine, with `force` all fitted ones.
 pub fn write(
@@ -40,6 +40,9 @@ pub fn write(
             for (key, x) in old.map(|old| old.parameters).unwrap_or_default() {
                 constants.parameters.entry(key).or_insert(x);
             }
+            let fitted = |d: &&DataRecord| !d.validation && d.kind == DataKind::Force;
+            let histories = f.record.data.iter().filter(fitted);
+            constants.fitted_to = histories.map(|d| d.name.clone()).collect();
             (&f.record, constants)
         })
         .collect();
@@ -118,6 +121,10 @@ fn written(
                 *value.decor_mut() = decor;
             }
             label[key] = Item::Value(value);
+        }
+        if !constants.fitted_to.is_empty() {
+            let names: Array = constants.fitted_to.iter().collect();
+            document[to.as_str()][&record.label][FITTED_TO] = Item::Value(names.into());
         }
     }
     let tag = format!("# {}:", to.as_str());

@@ -48,12 +48,12 @@ pub struct Precision {
     /// Least number of timed repetitions of each run; short runs are repeated more often
     #[arg(long, value_name = "N", default_value_t = DEFAULT_REPEATS, value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub repeats: u32,
-    /// Limit on the processor time of one integration in seconds; a run beyond it is recorded as a timeout, and runs
-    /// with finer resolution are left out
+    /// Limit on the processor time of one run in seconds; a run beyond it is recorded as a timeout, and runs with finer
+    /// resolution are left out
     ///
-    /// The limit excludes the time for recording results. References and converged solutions have a limit on their
-    /// steps instead: if a solution exceeds it, the next coarser tolerance is used, and the record and the terminal
-    /// report this.
+    /// The limit counts the integration and the recording of its histories. References and converged solutions have a
+    /// limit on their steps instead: if a solution exceeds it, the next coarser tolerance is used, and the record and
+    /// the terminal report this.
     #[arg(long, value_name = "S", default_value_t = 20.0, value_parser = positive)]
     pub timeout: f64,
     /// How long the whole study may take.

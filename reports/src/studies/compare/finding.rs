@@ -109,7 +109,15 @@ fn of_integration(view: &View<'_>) -> Markup {
     let nothing =
         "Nothing more detailed than the models is in the record: their own errors are not known.";
     let time = |r: &Run| quantity(r.cost_s(), "s", 3);
-    match (found, &view.results.tolerance) {
+    let tolerance = view.results.tolerance.as_ref();
+    // A tolerance of models says nothing of their integration.
+    if let Some(t) = tolerance.filter(|t| t.against != SELF) {
+        return html! {
+            (nothing) " The tolerance of the scene (" (limit_text(view, t)) ") is not applied, since " (t.against)
+            " has no result in the record."
+        };
+    }
+    match (found, tolerance) {
         (Some(run), Some(t)) => html! {
             (nothing) " The cheapest run that is integrated within the scene's tolerance (" (limit_text(view, t)) ") is "
             (named(run)) ", in " (time(run)) "."
