@@ -111,6 +111,27 @@ fn number_at_end(text: &str) -> Option<Range<usize>> {
     value(&text[range.clone()]).map(|_| range)
 }
 
+/// Reads the number at the start of a text, with the text after it.
+pub fn number_at_start(text: &str) -> Option<(f64, &str)> {
+    let part = |c: char| c.is_ascii_digit() || matches!(c, '.' | 'e' | '-' | '+');
+    let end = text.find(|c| !part(c)).unwrap_or(text.len());
+    (1..=end).rev().find_map(|end| {
+        let (number, rest) = text.split_at(end);
+        let ends = number.ends_with(|c: char| c.is_ascii_digit());
+        Some((number.parse().ok().filter(|_| ends)?, rest))
+    })
+}
+
+/// Factor of the unit that follows a number; 1 if none does.
+pub fn unit_at_start(text: &str) -> f64 {
+    let of = |(name, factor): &(&str, f64)| {
+        let rest = text.strip_prefix(' ')?.strip_prefix(name)?;
+        let ends = rest.is_empty() || rest.starts_with([' ', ',', ';', ':', ')', '*']);
+        ends.then_some(*factor)
+    };
+    UNITS.iter().find_map(of).unwrap_or(1.0)
+}
+
 fn value(printed: &str) -> Option<f64> {
     printed.replace(',', "").parse().ok()
 }

@@ -1,5 +1,6 @@
-//! Commands that measure figures, and the places of figures in their records.
+//! Commands that measure figures, and the places of figures in their records and printed output.
 
+use super::anchors::{number_at_start, unit_at_start};
 use serde::Deserialize;
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -9,8 +10,8 @@ use std::process::{Command, Stdio};
 /// Contents of the file of all sources.
 const FILE: &str = include_str!("../../figures.toml");
 
-/// First word of an output line with a figure: `figure KEY VALUE`.
-const FIGURE: &str = "figure ";
+/// Place of the number in a pattern.
+const NUMBER: &str = "{}";
 
 /// A command that measures figures.
 #[derive(Clone, Debug, Deserialize)]
@@ -20,8 +21,7 @@ pub struct Source {
     pub name: String,
     /// Command line, run in the root of the repository.
     pub command: String,
-    /// Paths of the figures in the record of `gearbench`, by key. Without them the command prints `figure KEY VALUE`.
-    #[serde(default)]
+    /// Places of the figures by key: paths in the record of `gearbench`, patterns of printed lines of other commands.
     pub figures: BTreeMap<String, String>,
 }
 
@@ -43,48 +43,84 @@ impl Source {
     /// Runs the command in a folder and reads its figures.
     ///
     /// # Errors
-    /// The command does not start or writes no record, or a figure is missing in it.
+    /// The command does not start, fails or writes no record, or a figure is missing in its record or output.
     pub fn measure(&self, root: &Path, gearbench: &Path) -> Result<BTreeMap<String, f64>, String> {
         let mut words = self.command.split_whitespace();
         let program = words.next().ok_or("an empty command")?;
-        let out = std::env::temp_dir().join(format!("gearbench-figures-{}", std::process::id()));
-        let mut command = match program {
-            "gearbench" => Command::new(gearbench),
-            other => Command::new(other),
+        let records = program == "gearbench";
+        let program = if records {
+            gearbench
+        } else {
+            Path::new(program)
         };
+        let mut command = Command::new(program);
         command.args(words).current_dir(root).stdin(Stdio::null());
-        if !self.figures.is_empty() {
+        let out = std::env::temp_dir().join(format!("gearbench-figures-{}", std::process::id()));
+        if records {
             command
                 .args(["--quiet", "--force", "--fresh", "--out"])
                 .arg(&out);
         }
         let done = command.stderr(Stdio::inherit()).output();
         let done = done.map_err(|e| format!("`{}`: {e}", self.command))?;
-        if self.figures.is_empty() {
-            return Ok(stated(&String::from_utf8_lossy(&done.stdout)));
+        if !records {
+            if !done.status.success() {
+                return Err(format!("`{}` failed", self.command));
+            }
+            return self.printed(&String::from_utf8_lossy(&done.stdout));
         }
         let text = std::fs::read_to_string(out.join("results.json"));
         let _ = std::fs::remove_dir_all(&out);
         let text = text.map_err(|e| format!("`{}` has no record: {e}", self.command))?;
         let record: Value = serde_json::from_str(&text).map_err(|e| e.to_string())?;
-        let number = |(key, path): (&String, &String)| {
-            let x = at(&record, path).and_then(Value::as_f64);
-            let x = x.ok_or_else(|| format!("`{}`: no number at `{path}`", self.command))?;
+        self.each("number at", |path| {
+            at(&record, path).and_then(Value::as_f64)
+        })
+    }
+
+    /// Reads the figures from the output of the command.
+    fn printed(&self, output: &str) -> Result<BTreeMap<String, f64>, String> {
+        self.each("output line with", |pattern| largest(output, pattern))
+    }
+
+    /// Reads the figure at each place; `what` is missing where there is none.
+    fn each(
+        &self,
+        what: &str,
+        read: impl Fn(&str) -> Option<f64>,
+    ) -> Result<BTreeMap<String, f64>, String> {
+        let number = |(key, place): (&String, &String)| {
+            let x = read(place);
+            let x = x.ok_or_else(|| format!("`{}`: no {what} `{place}`", self.command))?;
             Ok((key.clone(), x))
         };
         self.figures.iter().map(number).collect()
     }
 }
 
-/// Figures that a program prints on standard output.
-fn stated(output: &str) -> BTreeMap<String, f64> {
-    let figure = |line: &str| {
-        // The harness of tests prints the name of a test before the first line of its output.
-        let at = line.find(FIGURE)?;
-        let (key, x) = line[at + FIGURE.len()..].trim().split_once(' ')?;
-        Some((key.to_owned(), x.trim().parse().ok()?))
-    };
-    output.lines().filter_map(figure).collect()
+/// The number of largest magnitude among the lines that contain a pattern; its sign is that of the line.
+fn largest(output: &str, pattern: &str) -> Option<f64> {
+    let numbers = output.lines().filter_map(|line| number_in(line, pattern));
+    numbers.max_by(|a, b| a.abs().total_cmp(&b.abs()))
+}
+
+/// The number at `{}` in a line that contains the pattern; `*` is any text. The unit after `{}`, if any, converts it.
+fn number_in(line: &str, pattern: &str) -> Option<f64> {
+    let (before, after) = pattern.split_once(NUMBER)?;
+    line.char_indices().find_map(|(start, _)| {
+        let (x, rest) = number_at_start(&line[start..])?;
+        let head = &line[..start];
+        if head.ends_with(|c: char| c.is_ascii_alphanumeric() || c == '.') {
+            return None;
+        }
+        let mut parts = before.rsplit('*');
+        let head = head.strip_suffix(parts.next()?)?;
+        parts.try_fold(head, |text, part| Some(text.rsplit_once(part)?.0))?;
+        let mut parts = after.split('*');
+        let rest = rest.strip_prefix(parts.next()?)?;
+        parts.try_fold(rest, |text, part| Some(text.split_once(part)?.1))?;
+        Some(x * unit_at_start(after))
+    })
 }
 
 /// The value at a path such as `runs[model=elastic;variant=].metrics[against=fe].force_l2`: names of members, and in
@@ -138,9 +174,40 @@ mod tests {
     }
 
     #[test]
-    fn a_test_states_figures() {
-        let output = "test impacts ... figure impact.force 0.0051\nother\nfigure peak -1e-5\n";
-        let all = BTreeMap::from([("impact.force".into(), 0.0051), ("peak".into(), -1e-5)]);
-        assert_eq!(stated(output), all);
+    fn a_pattern_finds_its_number() {
+        let line =
+            "test space ... rack, 3 points: force -0.05 %, [1.2e-3, 4.0] at 10 m^2/N, peak 7181.";
+        for (pattern, x) in [
+            ("force {} %", -5e-4),
+            ("force {}", -0.05),
+            ("rack*force {} %*peak", -5e-4),
+            ("[{}, 4", 1.2e-3),
+            ("[*, {}]", 4.0),
+            ("at {} m^2/N", 10.0),
+            ("peak {}", 7181.0),
+            ("rack, {} points", 3.0),
+        ] {
+            assert_eq!(number_in(line, pattern), Some(x), "{pattern}");
+        }
+        for pattern in ["force {} N", "peak*force {}", "force {}*rack", "space {}"] {
+            assert_eq!(number_in(line, pattern), None, "{pattern}");
+        }
+    }
+
+    #[test]
+    fn the_largest_of_all_lines_is_the_figure() {
+        let source = |pattern: &str| Source {
+            name: "forces".into(),
+            command: "cargo test".into(),
+            figures: BTreeMap::from([("error".into(), pattern.into())]),
+        };
+        let output = "rigid: error 2e-9\nelastic: error -1e-8\nteeth: error 5e-9\n";
+        let values = |x| Ok(BTreeMap::from([("error".into(), x)]));
+        assert_eq!(source("error {}").printed(output), values(-1e-8));
+        assert_eq!(source("teeth*error {}").printed(output), values(5e-9));
+        assert_eq!(
+            source("peak {}").printed(output).unwrap_err(),
+            "`cargo test`: no output line with `peak {}`"
+        );
     }
 }
