@@ -55,24 +55,41 @@ mod tests {
         let mut schema = settings.into_generator().into_root_schema_for::<Results>();
         schema.insert("title".into(), "gearbench results.json".into());
         schema.insert("description".into(), DESCRIPTION.into());
-        let text = serde_json::to_string_pretty(&without_defaults(schema.into())).unwrap() + "\n";
+        let text = serde_json::to_string_pretty(&plain(schema.into())).unwrap() + "\n";
         if std::env::var_os("GEARBENCH_UPDATE_GOLDEN").is_some() {
             let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/results.schema.json");
             std::fs::write(path, &text).unwrap();
         } else {
-            let command = "GEARBENCH_UPDATE_GOLDEN=1 cargo test --release --workspace --lib dictionary";
-            assert!(text == RECORD_SCHEMA, "docs/results.schema.json is not of these types; {command}");
+            let command =
+                "GEARBENCH_UPDATE_GOLDEN=1 cargo test --release --workspace --lib dictionary";
+            assert!(
+                text == RECORD_SCHEMA,
+                "docs/results.schema.json is not of these types; {command}"
+            );
         }
     }
 
-    /// Removes the default values, which are not part of the format of files.
-    fn without_defaults(schema: Value) -> Value {
+    /// The schema without default values and formats of numbers, which are not part of the format of files, and without
+    /// the markup of doc comments.
+    fn plain(schema: Value) -> Value {
         match schema {
             Value::Object(members) => {
-                let kept = members.into_iter().filter(|(key, x)| key != "default" || x.is_object());
-                kept.map(|(key, x)| (key, without_defaults(x))).collect()
+                let is_schema = |key: &str, x: &Value| match key {
+                    "default" => x.is_object(),
+                    "format" => !x.is_string(),
+                    _ => true,
+                };
+                let kept = members.into_iter().filter(|(key, x)| is_schema(key, x));
+                kept.map(|(key, x)| match (key.as_str(), x) {
+                    ("description", Value::String(text)) => {
+                        let text = text.replace("\\[", "[").replace("\\]", "]");
+                        (key, text.replace("[`", "`").replace("`]", "`").into())
+                    }
+                    (_, x) => (key, plain(x)),
+                })
+                .collect()
             }
-            Value::Array(items) => items.into_iter().map(without_defaults).collect(),
+            Value::Array(items) => items.into_iter().map(plain).collect(),
             other => other,
         }
     }

@@ -26,7 +26,11 @@ pub fn commit_of_checkout() -> String {
     };
     let commit = git(&["rev-parse", "--short=12", "HEAD"]).unwrap_or_else(|| "unknown".into());
     let changes = git(&["status", "--porcelain", "--untracked-files=no"]);
-    let mark = if changes.is_some_and(|c| !c.is_empty()) { "+" } else { "" };
+    let mark = if changes.is_some_and(|c| !c.is_empty()) {
+        "+"
+    } else {
+        ""
+    };
     commit + mark
 }
 

@@ -121,11 +121,7 @@ const PARTS: &[Part] = &[
         "bearing",
         "sweep bearing.toml --models rigid --positions 4 --timeout T --out OUT",
     ),
-    part(
-        "run-up",
-        "run-up",
-        "run-up run_up.toml --out OUT",
-    ),
+    part("run-up", "run-up", "run-up run_up.toml --out OUT"),
     part(
         "coupling",
         "loaded",
@@ -157,9 +153,21 @@ const PARTS: &[Part] = &[
         "modes loaded.toml --models rigid,movable-teeth,elastic --count 12 --out OUT",
     ),
     part("modes", "shaft", "modes shaft.toml --count 12 --out OUT"),
-    part("modes", "carrier", "modes carrier.toml --count 12 --out OUT"),
-    part("modes", "conical", "modes conical.toml --count 12 --out OUT"),
-    part("modes", "bearing", "modes bearing.toml --count 12 --out OUT"),
+    part(
+        "modes",
+        "carrier",
+        "modes carrier.toml --count 12 --out OUT",
+    ),
+    part(
+        "modes",
+        "conical",
+        "modes conical.toml --count 12 --out OUT",
+    ),
+    part(
+        "modes",
+        "bearing",
+        "modes bearing.toml --count 12 --out OUT",
+    ),
     part(
         "response",
         "bearing",

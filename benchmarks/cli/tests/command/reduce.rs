@@ -14,7 +14,10 @@ fn cached() -> Folder {
 }
 
 fn repository(path: &str) -> String {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).ancestors().nth(2).unwrap();
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .ancestors()
+        .nth(2)
+        .unwrap();
     root.join(path).to_string_lossy().into_owned()
 }
 
