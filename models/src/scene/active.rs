@@ -40,6 +40,8 @@ pub(super) struct PrescribedSpeeds {
     pub gap: f64,
     /// Sliding speed from prescribed motions.
     pub sliding: f64,
+    /// Rate of the path coordinate of flanks in space from prescribed motions.
+    pub path: f64,
 }
 
 /// Returns the direction of sliding of a candidate, with the taper factor of a point that leaves contact over a tip,
@@ -73,9 +75,10 @@ pub(super) fn fill_rows(
         points,
         gap: c.scale[1] * points[1] - c.scale[0] * points[0],
         sliding: 0.0,
+        path: 0.0,
     };
     if let Some(along) = c.along {
-        path_row(gears, mesh, [a, b], (&c.points, along), &mut rows[3]);
+        prescribed.path = path_row(gears, mesh, [a, b], (&c.points, along), &mut rows[3]);
     }
     if mesh.friction.is_none() {
         return prescribed;
@@ -139,15 +142,16 @@ fn taper_row(master: &GearState<'_>, (x, aside): (&Vec3, &Vec3), row: &mut Row) 
 }
 
 /// Appends the row of a force `f` and a moment `m` at a contact point, on gear b against gear a. Two forces `m x u` at
-/// a unit distance `u`, perpendicular to the moment, represent the moment.
+/// a unit distance `u`, perpendicular to the moment, represent the moment. Returns the part of prescribed motions.
 fn path_row(
     gears: &[SceneGear],
     mesh: &SceneMesh,
     [a, b]: [&GearState<'_>; 2],
     (points, [force, moment]): (&[Point; 2], [Vec3; 2]),
     row: &mut Row,
-) {
+) -> f64 {
     row.clear();
+    let mut prescribed = 0.0;
     let across = moment.cross(&Vec3::z());
     let across = across.try_normalize(0.0).unwrap_or(Vec3::x());
     let couple = moment.cross(&across);
@@ -155,14 +159,14 @@ fn path_row(
         row.target(gears[mesh.gears[k]].offset, sign);
         let mut beside = points[k];
         beside.x += across;
-        gear_state.gear.row(gear_state.at, &beside, &couple, row);
-        gear_state
-            .gear
-            .row(gear_state.at, &points[k], &(force - couple), row);
+        for (point, direction) in [(&beside, couple), (&points[k], force - couple)] {
+            prescribed += sign * gear_state.gear.row(gear_state.at, point, &direction, row);
+        }
         if k == 0 {
             row.mark_split();
         }
     }
+    prescribed
 }
 
 pub(super) fn gap_rate(

@@ -155,6 +155,7 @@ impl Scene {
             power.dissipated -= (a.force.n - elastic) * a.rate;
             let on = [a.on[0] * c.scale[0], a.on[1] * c.scale[1]];
             power.external += on[0] * a.prescribed.points[0] - on[1] * a.prescribed.points[1];
+            power.external += 2.0 * a.along * a.prescribed.path;
             let mut force = a.force.n * c.direction();
             if mesh.friction.is_some() {
                 power.dissipated -= a.friction.f * a.sliding;

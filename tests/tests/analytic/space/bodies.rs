@@ -2,7 +2,7 @@
 
 use super::*;
 use gearbench_integrators::{Resolution, TimePlan};
-use gearbench_models::spec::Modelling;
+use gearbench_models::spec::{ContactSpec, Modelling, Mount, Profile};
 
 /// Returns a free asymmetric body that rotates about an axis other than its own, with its centre of mass off the hub.
 fn tumbling() -> SceneSpec {
@@ -160,6 +160,48 @@ fn an_impact_of_floating_gears_keeps_their_momentum() {
             offs.push(angular);
         }
         assert!(offs[1] < 1e-9, "angular momentum: {:.2e}", offs[1]);
+    }
+}
+
+/// A stiffness that varies along the path does work on a drive, also where flanks meet in space.
+#[test]
+fn drives_of_gears_on_bearings_put_their_power_into_the_ledger() {
+    let constant = contact(1.5e10);
+    let varying = ContactSpec {
+        stiffness: weber_banaschek(),
+        ..constant.clone()
+    };
+    let teeth = movable(5.3e8, 4.8e-3, 0.0);
+    for (driven, helix, model) in [
+        (0, 0.0, rigid()),
+        (0, 0.25, rigid()),
+        (1, 0.25, rigid()),
+        (0, 0.25, teeth),
+    ] {
+        for (what, law) in [("constant", &constant), ("varying", &varying)] {
+            let law = ContactSpec {
+                slices: (helix > 0.0).then_some(6),
+                ..law.clone()
+            };
+            let mut spec = helical_pair(helix, 1e-6, false);
+            for (k, speed) in [(driven, [20.0, 15.0][driven]), (1 - driven, 0.0)] {
+                spec.gears[k].lateral = on_bearings();
+                spec.gears[k].speed = speed;
+            }
+            let speed = std::mem::take(&mut spec.gears[driven].speed);
+            spec.gears[driven].mount = Mount::Driven(Profile::Constant(speed));
+            let mut scene = build(&spec, &[model.clone(), model.clone()], &law);
+            let end = run(&mut scene, "rk4", Resolution::Step(1e-7), 1e-4);
+            end.result.unwrap();
+            assert!(end.peak > 100.0, "a peak of {} N is no impact", end.peak);
+            let work = end.ledger.external;
+            let residual = end.ledger.residual_relative();
+            println!(
+                "gear {driven} driven, helix {helix}, {what}: {work:.3e} J, residual {residual:.1e}"
+            );
+            assert!(work > 1e-3, "{work} J");
+            assert!(residual.abs() < 1e-6, "{what}: {residual:.2e}");
+        }
     }
 }
 
