@@ -93,10 +93,13 @@ pub fn analyse(
                 "define a run-up with --from, --to and --over, or use a faster reference gear (--gear)"
             }
         };
+        let since = match from {
+            0 => String::new(),
+            _ => format!("after its last reversal at {:.4} s ", recorder.time(from)),
+        };
         return Err(format!(
-            "a run-up needs {LEAST_TURNS} revolutions without reversal, but after its last reversal at {:.4} s \
-             `{name}` makes {turned:.2} revolutions; {way_out}",
-            recorder.time(from)
+            "a run-up needs {LEAST_TURNS} revolutions without reversal, but {since}`{name}` makes {turned:.2} revolutions; \
+             {way_out}"
         ));
     }
     if let Some(why) = ramp.and_then(|ramp| missed(&name, &all_turns, recorder, ramp)) {
