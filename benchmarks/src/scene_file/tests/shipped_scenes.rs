@@ -41,7 +41,9 @@ fn all_scenes_of_the_repository_are_read() {
                 Some(e) if e == "toml" => std::fs::read_to_string(&path).unwrap(),
                 _ => continue,
             };
-            if text.lines().any(|l| l.starts_with("schema")) {
+            // Files of `check` have a schema, too, but cases in place of gears.
+            let is_check = text.lines().any(|l| l == "[[cases]]");
+            if !is_check && text.lines().any(|l| l.starts_with("schema")) {
                 let name = path.to_string_lossy().into_owned();
                 let scene = SceneFile::unbuilt(&name, &text, Origin::File(path), false);
                 scene.unwrap_or_else(|e| panic!("{}", render(&e)));
