@@ -93,7 +93,10 @@ fn what_was_not_judged_has_not_passed() {
     assert_ne!(out.status.code(), Some(0), "{said}{}", stderr(&out));
     if unjudged.iter().any(|r| r["status"] == "unchecked") {
         assert!(said.contains("not judged"), "{said}");
-        assert!(said.contains("only a run within the tolerance has passed"), "{said}");
+        assert!(
+            said.contains("only a run within the tolerance has passed"),
+            "{said}"
+        );
     }
     // `except` takes a model out of the gate, as for one beyond the tolerance.
     let help = stdout(&folder.ends("--help", 0));
