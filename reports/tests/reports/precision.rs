@@ -273,7 +273,7 @@ fn bare_records_make_a_page() {
     assert!(
         files.contains_key("precision_integration.svg") && files.contains_key("precision_work.svg")
     );
-    assert!(finding(&files[PAGE]).contains("No run is held against a reference"));
+    assert!(finding(&files[PAGE]).contains("No run is compared with a reference"));
     for r in &mut own.runs {
         r.status = Status::Timeout;
     }

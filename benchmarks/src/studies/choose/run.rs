@@ -40,7 +40,7 @@ pub enum ChooseError {
     Budget(String),
     /// The elastic gears do not run.
     #[error(
-        "the elastic gears that all models are held against do not reach the end of the window: {0}"
+        "the elastic gears that all models are compared with do not reach the end of the window: {0}"
     )]
     Hierarchy(String),
 }

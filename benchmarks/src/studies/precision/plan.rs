@@ -112,7 +112,7 @@ impl Plan<'_> {
             } else {
                 asked.against.clone()
             };
-            let what = format!("model {} is held against", variant.entry.label);
+            let what = format!("reference of model {}", variant.entry.label);
             if settings.iter().any(|(w, _)| *w == what) {
                 continue;
             }

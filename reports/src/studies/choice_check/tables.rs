@@ -141,13 +141,13 @@ pub fn scenes(choices: &[ValidatedChoice]) -> Markup {
         .text("Outcome", |s| s.outcome.to_string())
         .result()
         .text("Against", |s| s.reference.clone())
-        .percents("Error of what it is held against", 2, |s| s.reference_error)
+        .percents("Error of the yardstick", 2, |s| s.reference_error)
         .percents("Mesh of the scene", 2, |s| s.mesh_error)
         .percents("Mesh and contact of the scene", 2, |s| s.given_error)
         .percents("Error against finite elements", 2, |s| s.full_error);
     let remark = note(
-        "Error of what it is held against: what twice the step or fewer modes change in it. Mesh of the scene, mesh and contact: \
-         what these are off it with as many modes, the first with its contact. Finite elements: full ones, on a mesh three \
+        "Error of the yardstick: its change by twice the step or fewer modes. Mesh of the scene, mesh and contact: \
+         their error against the yardstick with as many modes, the first with its contact. Finite elements: full ones, on a mesh three \
          times as fine along the flanks as the scene's, with a penalty.",
     );
     section("Scenes", html! { (table) (remark) })

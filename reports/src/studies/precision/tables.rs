@@ -20,7 +20,7 @@ pub fn finding(view: &View<'_>) -> Vec<Markup> {
     let Some(cloud) = clouds.first() else {
         return vec![
             html! {
-                "No run is held against a reference: the charts show what integrators lose against each model's own converged \
+                "No run is compared with a reference: the charts show the error of integration, against each model's own converged \
                  solution."
             },
             failed,

@@ -273,5 +273,5 @@ fn references(maps: &[Map]) -> Markup {
             |l| Some(per_cent(l.3, 2)).filter(|_| l.3 > 0.0),
         )
         .result();
-    section("What cells are held against", table)
+    section("Converged solutions of the cells", table)
 }

@@ -63,7 +63,7 @@ pub fn finding(view: &View<'_>) -> Vec<Markup> {
         });
     }
     if sentences.is_empty() {
-        sentences.push(html! { "No run could be held against a reference." });
+        sentences.push(html! { "No run could be compared with a reference." });
     }
     sentences.push(html! { (capital(&failed_of(view.results))) "." });
     sentences

@@ -170,7 +170,7 @@ fn references_go_with_their_contact() {
     let fe = named("fe").unwrap();
     assert!(fe.variants.iter().all(|v| v.against == ["fe"]) && fe.external.is_empty());
     for (label, said) in [("elastic", "fe"), ("elastic-nodes", "fe (another contact)")] {
-        let row = (format!("model {label} is held against"), said.to_owned());
+        let row = (format!("reference of model {label}"), said.to_owned());
         assert!(fe.conditions.settings.contains(&row), "{row:?}");
     }
     let e = named("abaqus").unwrap_err();

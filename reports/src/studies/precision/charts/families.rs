@@ -73,7 +73,7 @@ pub(super) fn families(
         caption: format!(
             "The runs of each model under each integrator that no other run of the two beats, against {reference}, as far as \
              each errs less than the last by more than a twentieth: where a line ends, finer steps buy nothing more from the \
-             model. The number of the integrator stands at that end."
+             model. The number of the integrator is at that end."
         ),
         svg,
     }))

@@ -46,7 +46,7 @@ pub(super) fn integration(
     let shown = panels.iter().flat_map(|p| &p.2);
     let numbers = Numbers::of(shown.map(|s| s.run.integrator.as_str()));
     let top = scatter::key_height(&models) + ABOVE;
-    let title = "What integrators lose, model by model, over processor time";
+    let title = "Error of integration by model, over processor time";
     let pitch = SMALL + 34.0 + ABOVE;
     let below = top + pitch * rows as f64 + 14.0;
     let svg = draw(WIDTH, below + numbers.height(), title, |c| {
@@ -95,9 +95,9 @@ pub(super) fn integration(
         file: "precision_integration.svg".into(),
         title: title.into(),
         caption: format!(
-            "{} against each model's own converged solution: what the integrator loses, whatever the model is worth. One \
-             panel per model, of an elastic model with the number of modes that most integrators run; thin lines join the \
-             steps or tolerances of an integrator, whose number stands at their end, the staircase is the front of the panel.",
+            "{} against each model's own converged solution: the error of integration alone, without that of the model. One \
+             panel per model; an elastic model has the number of modes with which most integrators ran. Thin lines connect the \
+             steps or tolerances of an integrator, whose number is at their end; the staircase is the front of the panel.",
             capital(metric.words())
         ),
         svg,

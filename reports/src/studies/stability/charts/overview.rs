@@ -13,7 +13,7 @@ use crate::studies::stability::{Columns, LineKind, Map, unique_pairs};
 const STRIP: f64 = 18.0;
 const HEADING: f64 = 24.0;
 /// Space for names at the left.
-const LEFT: f64 = 236.0;
+const LEFT: f64 = 262.0;
 
 /// Returns the maps of the overview: each pair of model and integrator once.
 pub fn pairs(maps: &[Map], columns: Columns) -> Vec<&Map> {
