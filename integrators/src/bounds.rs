@@ -26,7 +26,7 @@ const PACE_AFTER: (f64, f64) = (0.1, 1.0);
 /// contact, hence a margin.
 const PACE_BEYOND: f64 = 2.0;
 /// Share of the observers from which on it is reported.
-const TOLD_SHARE: f64 = 0.05;
+const REPORTED_SHARE: f64 = 0.05;
 
 /// A bound of a run that was reached, or that the run would exceed at its present pace.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -71,7 +71,7 @@ impl fmt::Display for Bound {
                 observers
             }
         };
-        if *of_observers >= TOLD_SHARE {
+        if *of_observers >= REPORTED_SHARE {
             let share = 100.0 * of_observers;
             write!(f, " (recording takes {share:.0} % of the time)")?;
         }

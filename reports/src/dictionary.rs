@@ -74,13 +74,16 @@ mod tests {
     fn plain(schema: Value) -> Value {
         match schema {
             Value::Object(members) => {
-                let is_schema = |key: &str, x: &Value| match key {
-                    "default" => x.is_object(),
-                    "format" => !x.is_string(),
-                    _ => true,
-                };
-                let kept = members.into_iter().filter(|(key, x)| is_schema(key, x));
+                let kept = members
+                    .into_iter()
+                    .filter(|(key, _)| key != "default" && key != "format");
                 kept.map(|(key, x)| match (key.as_str(), x) {
+                    // Its keys are names of the record.
+                    ("properties", Value::Object(of)) => {
+                        let of: serde_json::Map<_, _> =
+                            of.into_iter().map(|(name, x)| (name, plain(x))).collect();
+                        (key, of.into())
+                    }
                     ("description", Value::String(text)) => {
                         let text = text.replace("\\[", "[").replace("\\]", "]");
                         (key, text.replace("[`", "`").replace("`]", "`").into())

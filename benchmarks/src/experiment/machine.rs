@@ -1,5 +1,6 @@
 //! Computer, program and time of a record.
 
+pub use super::checkout::commit_of_checkout;
 use gearbench_integrators::clock::processor_time;
 use gearbench_reports::record::{Machine, StudyHeader};
 use std::sync::OnceLock;
@@ -16,22 +17,6 @@ pub fn set_commit(commit: impl Into<String>) {
 /// Commit of the program; `unknown` before an entry point has set it.
 pub fn commit() -> &'static str {
     COMMIT.get().map_or("unknown", String::as_str)
-}
-
-/// Commit of the checkout in the working folder, for programs that run in one; `+` marks a tree with changes.
-pub fn commit_of_checkout() -> String {
-    let git = |args: &[&str]| {
-        let done = std::process::Command::new("git").args(args).output().ok()?;
-        (done.status.success()).then(|| String::from_utf8_lossy(&done.stdout).trim().to_owned())
-    };
-    let commit = git(&["rev-parse", "--short=12", "HEAD"]).unwrap_or_else(|| "unknown".into());
-    let changes = git(&["status", "--porcelain", "--untracked-files=no"]);
-    let mark = if changes.is_some_and(|c| !c.is_empty()) {
-        "+"
-    } else {
-        ""
-    };
-    commit + mark
 }
 
 /// The header of a record that is made by this program on this computer now.

@@ -3,6 +3,7 @@
 //! | module | owns |
 //! |---|---|
 //! | [`budget`] | budget of processor time of a whole study |
+//! | `checkout` | commit of a checkout, also for the build script of the command |
 //! | [`conditions`] | conditions that all runs of a study share, header of its record |
 //! | `contact_log` | tooth pairs in contact, openings and closings of contacts |
 //! | [`configuration`] | one model of a scene with its parameters |
@@ -30,6 +31,7 @@
 //! | `monitored_observer` | a run with one more observer |
 
 pub mod budget;
+mod checkout;
 pub mod conditions;
 pub mod configuration;
 pub(crate) mod contact_log;

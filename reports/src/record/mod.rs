@@ -15,6 +15,8 @@ mod source;
 
 use crate::metrics::Metric;
 use crate::series::TimeSeries;
+use crate::studies::choose::Adequacy;
+use crate::studies::compare::Yardstick;
 pub use crate::studies::sweep::{Bearing, StaticCycle, Steady};
 pub use crate::studies::{Part, Study};
 pub use mesh_force::MeshForce;
@@ -181,6 +183,17 @@ pub struct Tolerance {
     /// others are, but this is no failure of the study.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub except: Vec<String>,
+}
+
+impl Tolerance {
+    /// Compares a run with the tolerance: its value of the metric, and the verdict under the error of the yardstick, if
+    /// that is what the tolerance refers to. `None` if the run has no such value.
+    pub fn verdict(&self, run: &Run, yardstick: Option<&Yardstick>) -> Option<(f64, Adequacy)> {
+        let x = run.against(&self.against)?.get(self.metric)?;
+        let exact = Yardstick::default();
+        let yardstick = yardstick.filter(|y| y.id == self.against).unwrap_or(&exact);
+        Some((x, yardstick.verdict(x.abs(), self.limit)))
+    }
 }
 
 /// Data from elsewhere that runs are compared with.

@@ -79,24 +79,19 @@ fn by_tolerance(
         limit,
         ..
     } = tolerance;
-    let Some(metrics) = run.against(against) else {
+    if run.against(against).is_none() {
         let why = missing.filter(|_| against == SELF);
         let none = || format!("the run was not compared with {against}");
         return Verdict::NotJudged(why.map_or_else(none, str::to_owned));
-    };
+    }
     let digits = |x: f64| digits_apart(&[x, *limit], 3);
-    let exact = Yardstick::default();
-    let yardstick = yardstick.filter(|y| y.id == *against).unwrap_or(&exact);
-    match metrics
-        .get(*metric)
-        .map(|x| (x, yardstick.verdict(x.abs(), *limit)))
-    {
+    match tolerance.verdict(run, yardstick) {
         Some((_, Adequacy::Adequate)) => Verdict::Within,
         Some((x, Adequacy::NotDecided)) => Verdict::NotDecided(format!(
             "{metric} is {} with a limit of {}, and {against} itself {}",
             short(x, digits(x.abs())),
             short(*limit, digits(x.abs())),
-            match yardstick.error {
+            match yardstick.and_then(|y| y.error) {
                 Some(own) => format!("has an error of about {}", short(own, 2)),
                 None => "has an unknown error".into(),
             }

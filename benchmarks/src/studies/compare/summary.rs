@@ -104,11 +104,10 @@ pub fn summarise(results: &Results) {
 /// Counts the runs that are beyond the tolerance of the scene, not decided or not judged; `None` if there are none.
 fn verdicts(results: &Results) -> Option<String> {
     let tolerance = results.tolerance.as_ref()?;
-    let yardstick = yardstick_of(results).filter(|y| y.id == tolerance.against);
+    let yardstick = yardstick_of(results);
     let not_decided = |r: &&Run| {
-        let error = (r.against(&tolerance.against)).and_then(|m| m.get(tolerance.metric));
-        let verdict = yardstick.as_ref().zip(error);
-        verdict.is_some_and(|(y, e)| y.verdict(e.abs(), tolerance.limit) == Adequacy::NotDecided)
+        let verdict = tolerance.verdict(r, yardstick.as_deref());
+        verdict.is_some_and(|(_, verdict)| verdict == Adequacy::NotDecided)
     };
     let gated = || results.runs.iter().filter(|r| !is_excepted(results, r));
     let of_status = |status| gated().filter(move |r| r.status == status);

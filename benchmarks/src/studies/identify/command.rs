@@ -69,8 +69,7 @@ pub fn run(args: &Identify, command: &str) -> Result<CommandResult, Refusal> {
     let mut names = String::new();
     let held = held_by_model(&scene, &fitted, args);
     for (choice, held) in fitted.iter().zip(held) {
-        let mut plan = plan(&scene, choice, (&references, &statics), args);
-        plan.wishes.held = held;
+        let plan = plan(&scene, choice, (&references, &statics), (args, held));
         let all: Vec<&str> = plan.data.iter().map(|d| d.name.as_str()).collect();
         names = all.join(" and ");
         let display = Display::new(0);
@@ -250,17 +249,17 @@ fn plan<'a>(
     scene: &SceneFile,
     choice: &ModelChoice,
     (references, statics): (&[LoadedReference], &Option<(String, StaticTarget)>),
-    args: &Identify,
+    (args, held): (&Identify, Vec<(String, f64)>),
 ) -> FitPlan<'a> {
     let spec: SceneSpec = scene.spec_for(choice);
     let gap = |scene: &SceneFile| scene.spec.meshes.first().map_or(0.0, |m| m.start.gap);
-    let of_reference = |held: &&LoadedReference| {
-        let (time, force) = held.data.force()?;
-        let own = &held.scene;
+    let of_reference = |reference: &&LoadedReference| {
+        let (time, force) = reference.data.force()?;
+        let own = &reference.scene;
         // Beyond the duration of the scene the reference may lack effects that the scene has, such as contact of the
         // other flanks.
         let n = time.partition_point(|&t| t <= own.duration);
-        let name = name_of(held);
+        let name = name_of(reference);
         let weight = args.weight.iter().find(|(of, _)| of == name);
         Some(DataSet {
             further_gap: gap(own) - gap(scene),
@@ -270,7 +269,7 @@ fn plan<'a>(
         })
     };
     let (held_out, fitted): (Vec<&LoadedReference>, Vec<&LoadedReference>) =
-        references.iter().partition(|held| held.is_held_out());
+        references.iter().partition(|r| r.is_held_out());
     let statics = statics.as_ref().map(|(label, target)| DataSet {
         weight: args.static_weight,
         ..DataSet::statics(
@@ -289,7 +288,7 @@ fn plan<'a>(
         held_out: held_out.iter().filter_map(of_reference).collect(),
         wishes: FitOptions {
             fit: args.fit.clone(),
-            held: Vec::new(),
+            held,
             starts: args.start.clone(),
             bounds: args.bounds.clone(),
             scattered: args.starts.into(),
