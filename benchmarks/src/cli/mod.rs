@@ -22,6 +22,10 @@ pub(crate) mod values;
 
 use crate::experiment::{interruption, machine};
 use crate::fmu::{self, arguments::Fmu};
+use crate::studies::scan::{
+    arguments::{Merge, Scan},
+    merge,
+};
 use crate::tools::completions::{self, Completions};
 use crate::tools::mesh::{self, arguments::Mesh};
 use crate::tools::reduce::{self, arguments::Reduce};
@@ -133,6 +137,8 @@ pub(crate) enum Command {
     Help(Help),
     /// Rewrite the report of a results folder
     Report(Report),
+    /// Join the parts of a scan that were run with --shard
+    Merge(Merge),
     /// Repeat a study from its record and compare the results
     Rerun(Rerun),
     /// Print a script that completes commands and options in a shell
@@ -152,6 +158,7 @@ impl Command {
             Command::List(args) => list::run(&args),
             Command::Help(args) => help::run(&args),
             Command::Report(args) => report::run(&args),
+            Command::Merge(args) => merge::run(&args),
             Command::Rerun(args) => again(&args),
             Command::Completions(args) => completions::run(&args),
         }
@@ -200,6 +207,28 @@ fn models_of(command_line: &str) -> Option<Option<String>> {
     match Cli::read(words).ok()?.command {
         Some(Command::Study(mut study)) => Some(study.output().models.clone()),
         None => Some(None),
+        _ => None,
+    }
+}
+
+/// The command of a whole scan, and its arguments, from the command of a part of it; `None` if it is not readable.
+pub(crate) fn whole_scan(of_part: &str) -> Option<(String, Scan)> {
+    let mut words = command_line::split(of_part);
+    for option in ["--shard", "--out"] {
+        let with_value = |w: &String| {
+            w.strip_prefix(option)
+                .is_some_and(|rest| rest.starts_with('='))
+        };
+        words.retain(|w| !with_value(w));
+        if let Some(i) = words.iter().position(|w| w == option) {
+            words.drain(i..(i + 2).min(words.len()));
+        }
+    }
+    let all = std::iter::once("gearbench".to_owned()).chain(words.iter().cloned());
+    match Cli::read(all).ok()?.command? {
+        Command::Study(StudyCommand::Scan(args)) => {
+            Some((command_line::join("gearbench", &words), *args))
+        }
         _ => None,
     }
 }

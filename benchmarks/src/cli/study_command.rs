@@ -15,6 +15,7 @@ use crate::studies::penalty::{self, arguments::Penalty};
 use crate::studies::precision::{self, arguments::Precision};
 use crate::studies::response::{self, arguments::Response};
 use crate::studies::run_up::{self, arguments::RunUp};
+use crate::studies::scan::{self, arguments::Scan};
 use crate::studies::stability::{self, arguments::Stability};
 use crate::studies::stiffness::{self, arguments::Stiffness};
 use crate::studies::sweep::{self, arguments::Sweep};
@@ -52,6 +53,8 @@ pub(crate) enum StudyCommand {
     Coupling(Coupling),
     /// Run through a range of speed: spectra and orders over the speed, resonances
     RunUp(RunUp),
+    /// Run many scenes that differ in some keys: grids, samples, sensitivity indices
+    Scan(Box<Scan>),
     /// Compare results, work and runtime of selected runs with a stored baseline, for CI
     Check(Check),
 }
@@ -80,6 +83,7 @@ impl StudyCommand {
             StudyCommand::Sweep(args) => sweep::command::run(args, command_line),
             StudyCommand::Coupling(args) => coupling::command::run(args, command_line),
             StudyCommand::RunUp(args) => run_up::command::run(args, command_line),
+            StudyCommand::Scan(args) => scan::command::run(args, command_line),
             StudyCommand::Check(args) => check::command::run(args, command_line),
         }
     }
@@ -100,6 +104,7 @@ impl StudyCommand {
             StudyCommand::Sweep(args) => &mut args.run.output,
             StudyCommand::Coupling(args) => &mut args.run.output,
             StudyCommand::RunUp(args) => &mut args.output,
+            StudyCommand::Scan(args) => &mut args.run.output,
             StudyCommand::Check(args) => &mut args.output,
         }
     }

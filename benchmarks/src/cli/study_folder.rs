@@ -21,7 +21,9 @@ use crate::experiment::runner::Runner;
 use crate::scene_file::SceneFile;
 use gearbench_reports::RECORD;
 use gearbench_reports::measured::MeasuredCurve;
-use gearbench_reports::record::{Part, Results, Run, SCHEMA, Source, Status, damping_differs};
+use gearbench_reports::record::{
+    Part, Results, Run, SCHEMA, Source, Status, StudyHeader, damping_differs,
+};
 use serde::Deserialize;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -68,7 +70,7 @@ impl StudyFolder {
     /// [`Refusal::Files`] when the folder, or the journal in it, cannot be written; [`Refusal::Input`] when another process
     /// works there, or when it holds the results of another study.
     pub fn open(output: &Output, scene: &str, study: &str) -> Result<Self, Refusal> {
-        Self::begin(output, (scene, study), None)
+        Self::begin(output, (scene, study), None, &[])
     }
 
     /// Opens the folder of a study of a scene, which becomes part of the record.
@@ -76,19 +78,33 @@ impl StudyFolder {
     /// # Errors
     /// As [`StudyFolder::open`], and [`Refusal::Input`] when files that the scene reads are among the results.
     pub fn of(output: &Output, scene: &SceneFile, study: &str) -> Result<Self, Refusal> {
-        Self::begin(output, (&scene.name, study), Some(scene))
+        let (source, inputs) = (Some(scene.source()), scene.inputs());
+        let mut folder = Self::begin(output, (&scene.name, study), source, &inputs)?;
+        let rows = scene.refused.iter();
+        folder.refused = rows
+            .map(|r| refused(&r.label, &r.model, r.error.to_text()))
+            .collect();
+        Ok(folder)
+    }
+
+    /// Opens the folder of a study that is put together from records with this header.
+    ///
+    /// # Errors
+    /// As [`StudyFolder::open`].
+    pub fn joining(output: &Output, header: &StudyHeader, study: &str) -> Result<Self, Refusal> {
+        Self::begin(output, (&header.scene, study), header.source.clone(), &[])
     }
 
     fn begin(
         output: &Output,
         (name, study): (&str, &str),
-        scene: Option<&SceneFile>,
+        source: Option<Source>,
+        inputs: &[PathBuf],
     ) -> Result<Self, Refusal> {
         let measured = output.measured.iter().map(|p| measured::read(p));
         let measured: Vec<Vec<MeasuredCurve>> = measured.collect::<Result<_, _>>()?;
         let path = (output.out.clone()).unwrap_or_else(|| Path::new("out").join(name).join(study));
         let fail = |e: io::Error| Refusal::Files(format!("{}: {e}", path.display()));
-        let source = scene.map(SceneFile::source);
         let subject = Subject {
             study: study.to_owned(),
             scene: source.as_ref().map_or(name, |s| &s.name).to_owned(),
@@ -108,7 +124,6 @@ impl StudyFolder {
             refused: Vec::new(),
         };
         remove_staging(&path);
-        let inputs = scene.map(SceneFile::inputs).unwrap_or_default();
         for input in inputs.iter().chain(&output.measured) {
             refuse_input(&path, input)?;
         }
@@ -124,10 +139,6 @@ impl StudyFolder {
         });
         folder.has_journal = true;
         interruption::defer();
-        let rows = scene.iter().flat_map(|s| &s.refused);
-        folder.refused = rows
-            .map(|r| refused(&r.label, &r.model, r.error.to_text()))
-            .collect();
         Ok(folder)
     }
 

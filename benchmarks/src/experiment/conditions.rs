@@ -111,6 +111,7 @@ impl Conditions<'_> {
             also_steps: true,
             forces: false,
             torques: self.torques,
+            paths: false,
             histories: false,
             pictures: None,
             events: self.events,

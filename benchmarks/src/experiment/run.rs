@@ -9,7 +9,7 @@ use super::key::Key;
 use super::machine::cpu_time;
 use super::monitored_observer::MonitoredObserver;
 use super::parameters::parameters;
-use super::paths::torque_paths;
+use super::paths::{has_train, torque_paths};
 use super::pictures::Pictures;
 use super::record::{
     histories, ledger_record, momenta, reduction, sampled_impulse, snapshot, time_series,
@@ -65,6 +65,8 @@ pub struct Job<'a> {
     /// True if torques and further transmission errors are recorded, which references may contain besides forces and
     /// speeds.
     pub torques: bool,
+    /// True if the paths of torque and power are computed, also of a pair without shafts.
+    pub paths: bool,
     /// True if the data of the history files are stored.
     pub histories: bool,
     /// Frames for ParaView, if requested.
@@ -85,7 +87,7 @@ impl Job<'_> {
         Key::new("run")
             .and_scene(self.scene, self.modelling)
             .and(&(self.method, self.t_end, self.grid, self.also_steps))
-            .and(&(self.forces, self.torques, self.histories))
+            .and(&(self.forces, self.torques, self.paths, self.histories))
             .and(&self.pictures)
             .and(&(self.events, self.repeats))
             .and(&(self.timeout, self.max_steps))
@@ -375,7 +377,7 @@ fn timed_from(
         }),
         series: Some(series),
         histories: job.histories.then(|| histories(job, scene, history)),
-        paths: (job.histories)
+        paths: (job.paths || (job.histories && has_train(job.scene)))
             .then(|| torque_paths(job.scene, scene, history, ledger))
             .flatten(),
         ..reduction(scene, job.modelling)

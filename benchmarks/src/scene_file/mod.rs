@@ -240,6 +240,14 @@ impl SceneFile {
         Ok(file)
     }
 
+    /// Parses a changed text of this scene without building its models; paths count from the same folder.
+    ///
+    /// # Errors
+    /// [`SceneError`] with the place in the changed text.
+    pub fn with_text(&self, text: &str) -> Result<Self, SceneError> {
+        Self::unbuilt(self.document.at("").file(), text, self.origin.clone(), true)
+    }
+
     fn from_keys(
         document: Document,
         keys: SceneKeys,

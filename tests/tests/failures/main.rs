@@ -80,6 +80,7 @@ impl FailureCase {
             also_steps: true,
             forces: false,
             torques: false,
+            paths: false,
             histories: false,
             pictures: None,
             events: self.events,

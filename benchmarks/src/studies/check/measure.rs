@@ -75,10 +75,15 @@ pub(super) fn load<'a>(file: &CheckFile, case: &'a Case) -> Result<LoadedCase<'a
 fn written(scheme: &Scheme) -> String {
     // `500ns` and `5e-7s` are one step, whose last bit differs.
     let plain = |x: f64| format!("{x:.12e}").parse().unwrap_or(x);
-    match scheme.resolution {
-        Resolution::Step(h) => format!("{}@{:e}s", scheme.method, plain(h)),
-        Resolution::Tolerance(r) => format!("{}@{:e}", scheme.method, plain(r)),
+    let resolution = match scheme.resolution {
+        Resolution::Step(h) => Resolution::Step(plain(h)),
+        Resolution::Tolerance(r) => Resolution::Tolerance(plain(r)),
+    };
+    Scheme {
+        resolution,
+        ..*scheme
     }
+    .to_string()
 }
 
 fn work(run: &Run) -> BTreeMap<String, u64> {

@@ -124,6 +124,7 @@ impl<'a> WindowModel<'a> {
             also_steps,
             forces: false,
             torques: false,
+            paths: false,
             histories: false,
             pictures: None,
             events: true,

@@ -62,29 +62,25 @@ pub fn run(args: &Reference, command: &str) -> Result<CommandResult, Refusal> {
     overwriting.check(&args.out)?;
     interruption::defer();
     let display = Display::new(2);
-    display.report_progress(
-        0,
-        2,
-        &format!("{} under {}", choice.label, scheme_text(&method)),
-    );
+    display.report_progress(0, 2, &format!("{} under {}", choice.label, method));
     let row = row(args, &other, &choice, &method)?;
     if row.status.is_failure() {
         return Err(Refusal::Failed(format!(
             "{} under {} did not complete the run: {}",
             choice.label,
-            scheme_text(&method),
+            &method.to_string(),
             row.message.as_deref().unwrap_or("no reason given")
         )));
     }
     let finer = finer(&method);
-    display.report_progress(1, 2, &format!("its error, {}", scheme_text(&finer)));
+    display.report_progress(1, 2, &format!("its error, {finer}"));
     let check = self::row(args, &other, &choice, &finer)?;
     drop(display);
     let own = own_error(&row, &check);
     let note = match &own {
         Some(m) => format!(
             "own error, compared with {}: {}",
-            scheme_text(&finer),
+            &finer.to_string(),
             [
                 ("force history", m.force_l2),
                 ("peak force", m.peak_force_rel),
@@ -101,7 +97,7 @@ pub fn run(args: &Reference, command: &str) -> Result<CommandResult, Refusal> {
         ),
         None => format!(
             "own error unknown: the run under {} was not completed",
-            scheme_text(&finer)
+            finer
         ),
     };
     // Legends are narrow: the command beside it has the step.
@@ -124,7 +120,7 @@ pub fn run(args: &Reference, command: &str) -> Result<CommandResult, Refusal> {
     print_line(&format!(
         "{} under {}: {note}",
         choice.label,
-        scheme_text(&method)
+        &method.to_string()
     ));
     print_line(&format!(
         "written: {}",
@@ -133,7 +129,7 @@ pub fn run(args: &Reference, command: &str) -> Result<CommandResult, Refusal> {
     let answer = CommandResult::done()
         .with("written", absolute(args.out.clone()))
         .with("model", &choice.label)
-        .with("method", scheme_text(&method))
+        .with("method", &method.to_string())
         .with("scene_lines", &lines)
         .with("own_error", own.map(|m| json!({
             "force_l2": m.force_l2, "peak_force_rel": m.peak_force_rel, "impulse_rel": m.impulse_rel,
@@ -297,13 +293,6 @@ fn finer(method: &Scheme) -> Scheme {
             Resolution::Tolerance(f64::max(tenth, 1e-14))
         }
     })
-}
-
-fn scheme_text(method: &Scheme) -> String {
-    match method.resolution {
-        Resolution::Step(h) => format!("{}@{h:e}s", method.method),
-        Resolution::Tolerance(rtol) => format!("{}@{rtol:e}", method.method),
-    }
 }
 
 fn row(
