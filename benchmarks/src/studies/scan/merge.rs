@@ -167,10 +167,10 @@ fn difference(a: &ScanRecord, b: &ScanRecord) -> Option<String> {
     } else if x.scene != y.scene {
         Some("its scene, a calibration or a file of the scene differs".into())
     } else if x.arguments != y.arguments {
-        Some(format!(
-            "it was computed with `{}`, that one with `{}`",
-            y.arguments, x.arguments
-        ))
+        let differing =
+            (x.arguments.split("; ").zip(y.arguments.split("; "))).find(|(x, y)| x != y);
+        let (x, y) = differing.unwrap_or((&x.arguments, &y.arguments));
+        Some(format!("it was computed with `{y}`, that one with `{x}`"))
     } else if of(a) != of(b) {
         Some(format!(
             "it is one of {} parts, that one of {}",

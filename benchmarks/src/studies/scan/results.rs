@@ -30,6 +30,7 @@ pub fn summarise_table(
     if record.shard.is_some() {
         return Ok(());
     }
+    record.unaffected = unaffected(&path, sizes, design.cells())?;
     let rows = |visit: &mut Visit<'_>| {
         read_rows(&path, sizes, &mut |row| {
             visit(row.cell, row.configuration, row.outputs)
@@ -64,6 +65,26 @@ fn failures(path: &Path, sizes: (usize, usize, usize)) -> Result<Vec<FailureCoun
         }
     })?;
     Ok(all)
+}
+
+/// Configurations whose outputs are the same in all cells, of which there are several.
+fn unaffected(
+    path: &Path,
+    sizes: (usize, usize, usize),
+    cells: u64,
+) -> Result<Vec<usize>, TableError> {
+    let mut first: Vec<Option<Vec<f64>>> = vec![None; sizes.1];
+    let mut same = vec![cells > 1; sizes.1];
+    let equal = |a: &[f64], b: &[f64]| a.iter().zip(b).all(|(a, b)| a.to_bits() == b.to_bits());
+    read_rows(path, sizes, &mut |row| match &first[row.configuration] {
+        None => first[row.configuration] = Some(row.outputs.to_vec()),
+        Some(first) => same[row.configuration] &= equal(first, row.outputs),
+    })?;
+    let has_values = |c: &usize| first[*c].iter().flatten().any(|x| x.is_finite());
+    Ok((0..sizes.1)
+        .filter(|c| same[*c])
+        .filter(has_values)
+        .collect())
 }
 
 /// Rows of charts: of samples the first ones, which are a scan with fewer samples; of listed values evenly spaced ones.

@@ -1,7 +1,7 @@
 //! Runs of the cells of a scan on several threads.
 //!
 //! Cells are computed in lanes of consecutive cells, a lane by one thread at a time. The journal keeps the cells that a
-//! thread has finished about every second: a piece begins at a known cell, and says where it ends. An interrupted scan
+//! thread has finished about three times a second: a piece begins at a known cell, and says where it ends. An interrupted scan
 //! takes up the pieces of each lane, one behind the other, and goes on behind the last.
 
 use super::plan::Plan;
@@ -30,7 +30,7 @@ const LANES: u64 = 64;
 /// Largest number of cells of a lane.
 const LONGEST_LANE: u64 = 256;
 /// Wall time after which finished cells are stored.
-const STORED_AFTER: Duration = Duration::from_secs(1);
+const STORED_AFTER: Duration = Duration::from_millis(300);
 
 /// Results of the runs of each cell, by the first cell of their lane.
 pub struct FinishedCells(BTreeMap<u64, Vec<Vec<CellRun>>>);
@@ -94,7 +94,7 @@ pub fn study(
     Ok(FinishedCells(done))
 }
 
-/// Runs cells one after the other for about a second, at least one; none after an interruption.
+/// Runs cells one after the other for a part of a second, at least one; none after an interruption.
 fn piece(plan: &Plan<'_>, cells: Range<u64>) -> Vec<Vec<CellRun>> {
     let begin = Instant::now();
     let mut made = Vec::new();

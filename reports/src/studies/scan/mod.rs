@@ -62,6 +62,9 @@ pub struct ScanRecord {
     /// Failed runs by configuration and status.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub failures: Vec<FailureCount>,
+    /// Positions of the configurations whose results are the same in all cells, from 0: no varied key has an effect.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub unaffected: Vec<usize>,
     /// Statistics over the samples.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub statistics: Vec<SampleStatistics>,
@@ -247,6 +250,8 @@ impl ScanRecord {
         each("failures", &self.failures, |f| {
             known(f.configuration, 0, &vec![0; self.axes.len()])
         })?;
+        let of = |c: &usize| known(*c, 0, &vec![0; self.axes.len()]);
+        each("unaffected", &self.unaffected, of)?;
         each("statistics", &self.statistics, |s| {
             known(s.configuration, s.output, &s.at)
         })?;

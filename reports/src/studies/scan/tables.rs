@@ -31,6 +31,15 @@ pub fn finding(record: &ScanRecord) -> Vec<Markup> {
             " scenes; `gearbench merge` joins the parts and computes their statistics."
         });
     }
+    if !record.unaffected.is_empty() {
+        let labels: Vec<&str> = (record.unaffected.iter())
+            .map(|c| record.configurations[*c].label.as_str())
+            .collect();
+        sentences.push(html! {
+            "The results of " b { (labels.join(", ")) } " are the same in all scenes: no varied key has an effect, for example \
+             since the mesh of a file or a calibration determines what the keys would change."
+        });
+    }
     let single = record.axes.iter().all(|a| a.values.len() < 2);
     for s in record
         .statistics
