@@ -2,7 +2,8 @@
 //!
 //! | module | owns |
 //! |---|---|
-//! | [`models`] | the table of gear models that scenes can name |
+//! | [`context`] | what a command or a study has of its own: its models |
+//! | [`models`] | the table of gear models |
 //! | [`scene_file`] | the scene format, embedded scenes, calibrations |
 //! | [`experiment`] | runs of one model under one integrator: conditions, row of the record, status |
 //! | [`fmu`] | a scene as a functional mock-up unit: variables, description, package |
@@ -11,6 +12,7 @@
 //! | [`cli`] | table of commands, messages, files, exit codes |
 
 pub mod cli;
+pub mod context;
 pub mod experiment;
 pub mod fmu;
 pub mod models;

@@ -3,6 +3,7 @@
 use super::command_result::CommandResult;
 use super::terminal::{self, OutputForm, Refusal};
 use super::{Cli, Command};
+use crate::context::Context;
 use crate::scene_file::did_you_mean;
 use clap::{Args, CommandFactory, Subcommand};
 
@@ -94,7 +95,7 @@ pub(super) fn template() -> String {
 }
 
 /// Prints a document or the help of a command.
-pub(super) fn run(args: &Help) -> Result<CommandResult, Refusal> {
+pub(super) fn run(context: &Context, args: &Help) -> Result<CommandResult, Refusal> {
     let mut program = Cli::command();
     program.build();
     let text = match args.topic.as_deref() {

@@ -20,6 +20,7 @@ pub mod study_folder;
 pub mod terminal;
 pub(crate) mod values;
 
+use crate::context::Context;
 use crate::experiment::{interruption, machine};
 use crate::fmu::{self, arguments::Fmu};
 use crate::tools::completions::{self, Completions};
@@ -141,19 +142,19 @@ pub(crate) enum Command {
 
 impl Command {
     /// Runs the command; records store the command line `command_line`.
-    fn run(self, told: &str) -> Result<CommandResult, Refusal> {
+    fn run(self, context: &Context, told: &str) -> Result<CommandResult, Refusal> {
         match self {
-            Command::Init(args) => init::run(&args),
-            Command::Study(study) => study.run(told),
-            Command::Mesh(args) => mesh::run(&args, told),
-            Command::Reduce(args) => reduce::run(&args),
-            Command::Reference(args) => reference::run(&args, told),
-            Command::Fmu(args) => fmu::command::run(&args),
-            Command::List(args) => list::run(&args),
-            Command::Help(args) => help::run(&args),
-            Command::Report(args) => report::run(&args),
-            Command::Rerun(args) => again(&args),
-            Command::Completions(args) => completions::run(&args),
+            Command::Init(args) => init::run(context, &args),
+            Command::Study(study) => study.run(context, told),
+            Command::Mesh(args) => mesh::run(context, &args, told),
+            Command::Reduce(args) => reduce::run(context, &args),
+            Command::Reference(args) => reference::run(context, &args, told),
+            Command::Fmu(args) => fmu::command::run(context, &args),
+            Command::List(args) => list::run(context, &args),
+            Command::Help(args) => help::run(context, &args),
+            Command::Report(args) => report::run(context, &args),
+            Command::Rerun(args) => again(context, &args),
+            Command::Completions(args) => completions::run(context, &args),
         }
     }
 }
@@ -164,7 +165,7 @@ pub fn main() -> ExitCode {
         terminal::warn(&format!("signals cannot be caught: {e}"));
     }
     match Cli::read(std::env::args_os()) {
-        Ok(cli) => run(cli),
+        Ok(cli) => run(Context::default(), cli),
         Err(e) => refuse(&e),
     }
 }
@@ -204,8 +205,8 @@ fn models_of(command_line: &str) -> Option<Option<String>> {
     }
 }
 
-/// Runs a command and reports how it ended.
-pub fn run(cli: Cli) -> ExitCode {
+/// Runs a command in a context and reports how it ended.
+pub fn run(context: Context, cli: Cli) -> ExitCode {
     terminal::choose(match (cli.json, cli.quiet) {
         (true, _) => OutputForm::Json,
         (_, true) => OutputForm::Quiet,
@@ -215,15 +216,15 @@ pub fn run(cli: Cli) -> ExitCode {
     limits::set_memory(cli.memory * 1e9);
     let told = terminal::command_line("gearbench");
     let done = match cli.command {
-        None => StudyCommand::default().run("gearbench"),
-        Some(command) => command.run(&told),
+        None => StudyCommand::default().run(&context, "gearbench"),
+        Some(command) => command.run(&context, &told),
     };
     terminal::end(&told, done)
 }
 
 /// Repeats a study from its record. As a record is external input, its command has to be the study of the record, and
 /// all output of the study goes into the given folder.
-fn again(args: &Rerun) -> Result<CommandResult, Refusal> {
+fn again(context: &Context, args: &Rerun) -> Result<CommandResult, Refusal> {
     let again = rerun::prepare(args)?;
     let shown = again.command();
     let refuse = |help: String| {
@@ -255,7 +256,7 @@ fn again(args: &Rerun) -> Result<CommandResult, Refusal> {
             again.study()
         ))
     })?;
-    let answer = study.confined_to(again.out.clone()).run(shown)?;
+    let answer = study.confined_to(again.out.clone()).run(context, shown)?;
     again.compare(answer)
 }
 

@@ -15,13 +15,13 @@ use super::record::{
     histories, ledger_record, momenta, reduction, sampled_impulse, snapshot, time_series,
 };
 use super::status::RunMonitor;
+use crate::context::Context;
 use crate::experiment::small_signals::assemble;
 use gearbench_integrators::modal::resonance::{resonances, safe_step};
 use gearbench_integrators::system::{SecondOrderSystem, State};
 use gearbench_integrators::{
     Integrator, NullSink, Resolution, Scheme, Sink, StepError, TimePlan, Work, integration_time,
 };
-use gearbench_models::gear::table::Model;
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{Modelling, SceneSpec};
 use gearbench_reference::limits;
@@ -50,8 +50,8 @@ pub struct Job<'a> {
     pub scene: &'a SceneSpec,
     /// Models of gears and contacts.
     pub modelling: &'a Modelling,
-    /// The table of gear models.
-    pub models: &'a [Model],
+    /// The context of the scene.
+    pub context: &'a Context,
     /// Integration method with its step or tolerance.
     pub method: &'a Scheme,
     /// End of the simulated time [s].
@@ -170,7 +170,7 @@ pub fn run(job: &Job<'_>) -> Result<Run, RunError> {
 /// microseconds is too noisy.
 pub fn run_timed(job: &Job<'_>, together: Duration) -> Result<Run, RunError> {
     let started = Instant::now();
-    let mut scene = assemble(job.scene, job.modelling, job.models)?;
+    let mut scene = assemble(job.scene, job.modelling, &job.context.models)?;
     let setup = started.elapsed();
     timed_in(job, &mut scene, setup, together)
 }

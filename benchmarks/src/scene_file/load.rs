@@ -6,6 +6,7 @@ use super::source::{recorded, recorded_calibration};
 use super::{Calibration, Origin, SceneError, SceneFile};
 use crate::cli::progress::Display;
 use crate::cli::terminal::warn;
+use crate::context::Context;
 use gearbench_reference::file_kind::{self, Input};
 use gearbench_reference::files;
 use gearbench_reports::RECORD;
@@ -19,8 +20,8 @@ const MOST_NAMED: usize = 3;
 ///
 /// # Errors
 /// [`SceneError`] with file, line and help.
-pub fn load(path_or_name: &str) -> Result<SceneFile, SceneError> {
-    load_for(path_or_name, Selection::All)
+pub fn load(context: &Context, path_or_name: &str) -> Result<SceneFile, SceneError> {
+    load_for(context, path_or_name, Selection::All)
 }
 
 /// Models of a scene to build. The others are read only, as the reduction of finite elements takes seconds.
@@ -40,16 +41,21 @@ pub enum Selection<'a> {
 ///
 /// # Errors
 /// [`SceneError`] with file, line and help, also for labels that the scene does not have.
-pub fn load_for(path_or_name: &str, selection: Selection<'_>) -> Result<SceneFile, SceneError> {
-    load_with(path_or_name, selection, true)
+pub fn load_for(
+    context: &Context,
+    path_or_name: &str,
+    selection: Selection<'_>,
+) -> Result<SceneFile, SceneError> {
+    load_with(context, path_or_name, selection, true)
 }
 
 fn load_with(
+    context: &Context,
     path_or_name: &str,
     selection: Selection<'_>,
     calibrated: bool,
 ) -> Result<SceneFile, SceneError> {
-    let mut file = read(path_or_name, calibrated)?;
+    let mut file = read(context, path_or_name, calibrated)?;
     let chosen = match selection {
         Selection::All => file.models.iter().collect(),
         Selection::None => Vec::new(),
@@ -101,10 +107,11 @@ impl SceneFile {
 /// # Errors
 /// [`SceneError`] with file, line and help.
 pub fn load_uncalibrated(
+    context: &Context,
     path_or_name: &str,
     selection: Selection<'_>,
 ) -> Result<SceneFile, SceneError> {
-    load_with(path_or_name, selection, false)
+    load_with(context, path_or_name, selection, false)
 }
 
 /// Loads a scene without calibrations and without building its models, for uses of its gears alone: files of models
@@ -112,15 +119,16 @@ pub fn load_uncalibrated(
 ///
 /// # Errors
 /// [`SceneError`] with file, line and help.
-pub fn load_unbuilt(path_or_name: &str) -> Result<SceneFile, SceneError> {
-    let file = read(path_or_name, false)?;
+pub fn load_unbuilt(context: &Context, path_or_name: &str) -> Result<SceneFile, SceneError> {
+    let file = read(context, path_or_name, false)?;
     file.odd.iter().for_each(|odd| warn(&odd.to_text()));
     Ok(file)
 }
 
-fn read(path_or_name: &str, calibrated: bool) -> Result<SceneFile, SceneError> {
+fn read(context: &Context, path_or_name: &str, calibrated: bool) -> Result<SceneFile, SceneError> {
     if let Some(s) = shipped::shipped(path_or_name) {
         return SceneFile::unbuilt(
+            context,
             &format!("{}.toml", s.name),
             recorded(s.name).unwrap_or(s.text),
             Origin::Shipped,
@@ -168,6 +176,7 @@ fn read(path_or_name: &str, calibrated: bool) -> Result<SceneFile, SceneError> {
         )
     })?;
     SceneFile::unbuilt(
+        context,
         path_or_name,
         &text,
         Origin::File(path.to_owned()),

@@ -3,6 +3,7 @@
 use crate::cli::command_result::CommandResult;
 use crate::cli::files::{ReplaceableFiles, write_whole};
 use crate::cli::terminal::{Refusal, absolute, print_line};
+use crate::context::Context;
 use crate::scene_file::{SHIPPED, SceneError, ShippedScene, did_you_mean};
 use clap::Args;
 use std::path::PathBuf;
@@ -82,7 +83,7 @@ pub struct Init {
 }
 
 /// Writes a scene to start from, or a folder of them.
-pub fn run(args: &Init) -> Result<CommandResult, Refusal> {
+pub fn run(context: &Context, args: &Init) -> Result<CommandResult, Refusal> {
     if args.what == FOLDER {
         return write_folder(args);
     }
@@ -194,11 +195,14 @@ mod tests {
             assert!(text.contains(&own), "{name}");
             let text = text.replacen(&own, "name = \"mine\"", 1);
             let origin = Origin::File("nowhere/mine.toml".into());
-            let scene = SceneFile::unbuilt("mine.toml", &text, origin, true);
+            let scene = SceneFile::unbuilt(&Context::default(), "mine.toml", &text, origin, true);
             let scene = scene.unwrap_or_else(|e| panic!("{name}: {}", e.to_text()));
             assert!(scene.odd.is_empty(), "{name}: {:?}", scene.odd);
-            let Ok(shipped) = crate::scene_file::load_for(name, crate::scene_file::Selection::None)
-            else {
+            let Ok(shipped) = crate::scene_file::load_for(
+                &Context::default(),
+                name,
+                crate::scene_file::Selection::None,
+            ) else {
                 continue;
             };
             for (a, b) in scene.models.iter().zip(&shipped.models) {

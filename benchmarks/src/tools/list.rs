@@ -2,7 +2,7 @@
 
 use crate::cli::command_result::CommandResult;
 use crate::cli::terminal::{Refusal, print_line};
-use crate::models::models;
+use crate::context::Context;
 use crate::scene_file::{self, SHIPPED, SceneFile};
 use clap::{Args, ValueEnum};
 use gearbench_integrators::table::FREE_FLIGHT;
@@ -46,7 +46,7 @@ pub struct List {
 }
 
 /// Prints the tables of scenes, models, integrators, references and caches.
-pub fn run(args: &List) -> Result<CommandResult, Refusal> {
+pub fn run(context: &Context, args: &List) -> Result<CommandResult, Refusal> {
     let cached = CacheFiles::of(cache::in_use());
     let removed = match args.clear_cache {
         true => cached.remove()?,
@@ -54,7 +54,7 @@ pub fn run(args: &List) -> Result<CommandResult, Refusal> {
     };
     let cached = CacheFiles::of(cache::in_use());
     let scenes = (SHIPPED.iter())
-        .map(|s| scene_file::load_unbuilt(s.name))
+        .map(|s| scene_file::load_unbuilt(context, s.name))
         .collect::<Result<Vec<_>, _>>()?;
     let in_full = |section: Section| args.section == Some(section);
     let listed = |section: Section| args.section.is_none() || in_full(section);
@@ -64,8 +64,11 @@ pub fn run(args: &List) -> Result<CommandResult, Refusal> {
         answer = answer.with("scenes", scenes.iter().map(scene).collect::<Vec<_>>());
     }
     if listed(Section::Models) {
-        print_models(in_full(Section::Models));
-        answer = answer.with("models", models().iter().map(model).collect::<Vec<_>>());
+        print_models(context, in_full(Section::Models));
+        answer = answer.with(
+            "models",
+            context.models.iter().map(model).collect::<Vec<_>>(),
+        );
     }
     if listed(Section::Integrators) {
         print_integrators(in_full(Section::Integrators));
@@ -216,9 +219,9 @@ fn print_scenes(scenes: &[SceneFile], in_full: bool) {
     }
 }
 
-fn print_models(in_full: bool) {
+fn print_models(context: &Context, in_full: bool) {
     print_line("\nmodels (model = \"ID\" in a scene)");
-    for m in models() {
+    for m in &*context.models {
         print_line(&format!("  {:<18} {}", m.id, m.title));
         for p in m.parameters.iter().filter(|_| in_full) {
             let need = if p.required { "required" } else { "optional" };

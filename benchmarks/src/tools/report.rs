@@ -4,6 +4,7 @@ use crate::cli::command_result::CommandResult;
 use crate::cli::folder_lock::FolderLock;
 use crate::cli::study_folder::remove_staging;
 use crate::cli::terminal::{Refusal, absolute, print_line};
+use crate::context::Context;
 use clap::Args;
 use gearbench_reference::{file_kind, files, limits};
 use gearbench_reports::{RECORD, ReportError};
@@ -91,7 +92,7 @@ fn remedy(dir: &Path) -> String {
 }
 
 /// Rewrites the report of a record.
-pub fn run(args: &Report) -> Result<CommandResult, Refusal> {
+pub fn run(context: &Context, args: &Report) -> Result<CommandResult, Refusal> {
     check_record(&args.dir)?;
     // The reader refuses a folder without a record.
     let lock = match args.dir.join(RECORD).is_file() {

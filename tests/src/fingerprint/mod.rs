@@ -264,7 +264,7 @@ fn run(part: &Part, own: &Path, list: &mut List) {
         });
         let arguments = std::iter::once("gearbench".to_owned()).chain(arguments);
         let cli = Cli::try_parse_from(arguments).unwrap_or_else(|e| panic!("{command}: {e}"));
-        let code = gearbench::cli::run(cli);
+        let code = gearbench::cli::run(gearbench::context::Context::default(), cli);
         list.add(format!("{at}/command{i}.exit"), format!("{code:?}"));
     }
     let mut files = Vec::new();

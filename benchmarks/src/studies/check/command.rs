@@ -11,6 +11,7 @@ use crate::cli::command_result::CommandResult;
 use crate::cli::exit::Exit;
 use crate::cli::study_folder::StudyFolder;
 use crate::cli::terminal::{Refusal, absolute, print_line, refuse_run};
+use crate::context::Context;
 use crate::experiment::interruption;
 use crate::experiment::machine;
 use crate::experiment::run::RunError;
@@ -29,7 +30,7 @@ const NEAR_PASSES: usize = 8;
 const NEAR: f64 = 0.05;
 
 /// Runs the check and writes its folder.
-pub fn run(args: &Check, command: &str) -> Result<CommandResult, Refusal> {
+pub fn run(context: &Context, args: &Check, command: &str) -> Result<CommandResult, Refusal> {
     let file = CheckFile::read(&args.file)?;
     let before = Baselines::read(&file.baseline)?;
     let mut baselines = before.clone();
@@ -73,7 +74,7 @@ pub fn run(args: &Check, command: &str) -> Result<CommandResult, Refusal> {
         )));
     }
     let cases = file.select(&args.cases, args.quick)?;
-    let loaded = cases.iter().map(|case| load(&file, case));
+    let loaded = cases.iter().map(|case| load(context, &file, case));
     let loaded = loaded.collect::<Result<Vec<_>, _>>()?;
     let mut folder = StudyFolder::open(&args.output, &name, "check")?;
     let newest = baselines.newest().cloned().unwrap_or_default();

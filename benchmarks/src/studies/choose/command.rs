@@ -16,12 +16,12 @@ use crate::cli::files::write_whole;
 use crate::cli::progress::Display;
 use crate::cli::study_folder::StudyFolder;
 use crate::cli::terminal::{Refusal, absolute, all_references_of, print_line, refuse_run, warn};
+use crate::context::Context;
 use crate::experiment::conditions::silent;
 use crate::experiment::configuration::Configuration;
 use crate::experiment::interruption;
 use crate::experiment::run::RunError;
 use crate::experiment::small_signals::mesh_modes;
-use crate::models::models;
 use crate::scene_file::references::LoadedReference;
 use crate::scene_file::{self, SceneFile};
 use gearbench_reports::record::MeshMode;
@@ -29,9 +29,9 @@ use gearbench_reports::{Part, ReferenceDistance, Study, Verdict};
 use std::sync::Arc;
 
 /// Runs the study and writes its folder.
-pub fn run(args: &Choose, command: &str) -> Result<CommandResult, Refusal> {
+pub fn run(context: &Context, args: &Choose, command: &str) -> Result<CommandResult, Refusal> {
     // Models are built when they are tried: many a scene has full finite elements beside.
-    let mut scene = scene_file::load_for(&args.scene, scene_file::Selection::None)?;
+    let mut scene = scene_file::load_for(context, &args.scene, scene_file::Selection::None)?;
     let references = match args.references {
         true => all_references_of(&mut scene, &AnyReference::default())?,
         false => references_of_the_scene(&mut scene),
@@ -120,7 +120,7 @@ fn damping_of(
             ..Configuration::of(scene, any)
         })
         .collect();
-    mesh_modes(&entries, models(), &problem.runner).map_err(Refusal::from)
+    mesh_modes(&entries, &problem.context.models, &problem.runner).map_err(Refusal::from)
 }
 
 /// Returns the references under the scene's own conditions, with which the yardstick is compared. If they cannot be

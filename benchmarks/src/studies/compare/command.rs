@@ -7,6 +7,7 @@ use crate::cli::command_result::CommandResult;
 use crate::cli::exit::Exit;
 use crate::cli::study_folder::StudyFolder;
 use crate::cli::terminal::{Refusal, absolute, print_line, references_of, refuse_run};
+use crate::context::Context;
 use crate::experiment::conditions::Conditions;
 use crate::experiment::run::RunError;
 use crate::experiment::settings::settings;
@@ -15,8 +16,12 @@ use gearbench_integrators::Scheme;
 use gearbench_reports::Study;
 
 /// Runs the comparison and writes its folder.
-pub fn run(args: &Compare, command: &str) -> Result<CommandResult, Refusal> {
-    let mut scene = scene_file::load_for(&args.scene, Selection::Labels(args.models.as_deref()))?;
+pub fn run(context: &Context, args: &Compare, command: &str) -> Result<CommandResult, Refusal> {
+    let mut scene = scene_file::load_for(
+        context,
+        &args.scene,
+        Selection::Labels(args.models.as_deref()),
+    )?;
     let references = references_of(&mut scene, &args.insist)?;
     let choices = scene.select(args.models.as_deref())?;
     let plan = Plan {

@@ -14,16 +14,15 @@ use crate::cli::exit::Exit;
 use crate::cli::progress::Display;
 use crate::cli::study_folder::StudyFolder;
 use crate::cli::terminal::{Refusal, absolute, print_line, refuse_study, warn};
+use crate::context::Context;
 use crate::experiment::conditions::{Conditions, silent};
 use crate::experiment::configuration::Configuration;
 use crate::experiment::error::StudyError;
 use crate::experiment::interruption;
 use crate::experiment::runner::{WorkError, attempt};
 use crate::experiment::settings::settings;
-use crate::models::models;
 use crate::scene_file::references::LoadedReference;
 use crate::scene_file::{self, ModelChoice, SceneFile, Selection, did_you_mean};
-use gearbench_models::gear::table::properties_of;
 use gearbench_models::spec::{SceneSpec, mesh_layout};
 use gearbench_reports::Study;
 use gearbench_reports::identify::IdentifyRecord;
@@ -34,11 +33,11 @@ use serde_json::json;
 const POSITIONS: usize = 24;
 
 /// Fits the models of a scene that have constants to fit, and writes the folder.
-pub fn run(args: &Identify, command: &str) -> Result<CommandResult, Refusal> {
+pub fn run(context: &Context, args: &Identify, command: &str) -> Result<CommandResult, Refusal> {
     // What is identified is built by its fits; statics leave all constants but one as the impact has them.
     let mut scene = match args.to.to_history() {
-        true => scene_file::load_uncalibrated(&args.scene, Selection::None)?,
-        false => scene_file::load_for(&args.scene, Selection::None)?,
+        true => scene_file::load_uncalibrated(context, &args.scene, Selection::None)?,
+        false => scene_file::load_for(context, &args.scene, Selection::None)?,
     };
     let references = match args.to.to_history() {
         true => histories_of(&mut scene, args)?,
@@ -51,8 +50,7 @@ pub fn run(args: &Identify, command: &str) -> Result<CommandResult, Refusal> {
     let choices = scene.select(args.model.as_deref())?;
     let fitted: Vec<&ModelChoice> = (choices.into_iter())
         .filter(|c| {
-            args.model.is_some()
-                || (properties_of(models(), &c.model).fit.is_some() && calibrated(c))
+            args.model.is_some() || (scene.properties_of(&c.model).fit.is_some() && calibrated(c))
         })
         .collect();
     if fitted.is_empty() {
@@ -215,7 +213,14 @@ fn held_by_model(
     args: &Identify,
 ) -> Vec<Vec<(String, f64)>> {
     let has = |choice: &ModelChoice, key: &str| {
-        has_key(key, (&scene.spec_for(choice), &choice.modelling, models()))
+        has_key(
+            key,
+            (
+                &scene.spec_for(choice),
+                &choice.modelling,
+                &scene.context.models,
+            ),
+        )
     };
     let of = |choice: &&ModelChoice| {
         let taken = |(key, _): &&(String, f64)| {
@@ -245,12 +250,12 @@ fn name_of(held: &LoadedReference) -> &str {
 }
 
 /// Returns the plan of the fit of a model: data to fit, and data with which the fitted model is compared.
-fn plan<'a>(
+fn plan(
     scene: &SceneFile,
     choice: &ModelChoice,
     (references, statics): (&[LoadedReference], &Option<(String, StaticTarget)>),
     (args, held): (&Identify, Vec<(String, f64)>),
-) -> FitPlan<'a> {
+) -> FitPlan {
     let spec: SceneSpec = scene.spec_for(choice);
     let gap = |scene: &SceneFile| scene.spec.meshes.first().map_or(0.0, |m| m.start.gap);
     let of_reference = |reference: &&LoadedReference| {
@@ -281,7 +286,7 @@ fn plan<'a>(
     FitPlan {
         label: choice.label.clone(),
         modelling: choice.modelling.clone(),
-        models: models(),
+        context: scene.context.clone(),
         data: (fitted.iter().filter_map(of_reference))
             .chain(statics)
             .collect(),
@@ -347,7 +352,7 @@ fn histories_of(scene: &mut SceneFile, args: &Identify) -> Result<Vec<LoadedRefe
 fn statics_of(scene: &SceneFile, args: &Identify) -> Result<(String, StaticTarget), Refusal> {
     let choice = match &args.against {
         Some(label) => scene.select(Some(label))?.into_iter().next(),
-        None => (scene.models.iter()).find(|c| properties_of(models(), &c.model).full_order),
+        None => (scene.models.iter()).find(|c| scene.properties_of(&c.model).full_order),
     };
     let Some(choice) = choice else {
         return Err(Refusal::Input(miette::miette!(
@@ -360,7 +365,12 @@ fn statics_of(scene: &SceneFile, args: &Identify) -> Result<(String, StaticTarge
     let [a, b] = spec.meshes[0].gears.map(|i| &spec.gears[i]);
     let layout = mesh_layout(a, b).map_err(|e| Refusal::Failed(e.to_string()))?;
     let force = 1e3 * args.load * layout.face_width;
-    let target = StaticTarget::of((&spec, &choice.modelling), models(), force, POSITIONS);
+    let target = StaticTarget::of(
+        (&spec, &choice.modelling),
+        &scene.context.models,
+        force,
+        POSITIONS,
+    );
     let fail = |e| refuse_study(scene, StudyError::Statics(choice.label.clone(), e));
     Ok((choice.label.clone(), target.map_err(fail)?))
 }

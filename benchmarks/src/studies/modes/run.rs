@@ -250,7 +250,7 @@ fn listed(
 ///
 /// # Errors
 /// [`StudyError`]; models without an equilibrium are rows.
-pub fn study(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, StudyError> {
+pub fn study(plan: &Plan, runner: &Runner<'_>) -> Result<Results, StudyError> {
     let (mut vibrations_of, mut mesh_modes) = (Vec::new(), Vec::new());
     for (done, entry) in plan.entries.iter().enumerate() {
         if interruption::requested() {
@@ -262,7 +262,7 @@ pub fn study(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, StudyError
         let label = entry.model_label();
         let key = (Key::new("modes").and_scene(scene.0, scene.1)).and(&(&label, &plan.wanted));
         let found = runner.piece(key, || {
-            match analysed(&label, scene, plan.conditions.models, &plan.wanted) {
+            match analysed(&label, scene, &plan.conditions.context.models, &plan.wanted) {
                 Err(e) if e.fault == Fault::Model => Ok((
                     ModelModes {
                         label: label.clone(),

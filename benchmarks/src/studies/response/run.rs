@@ -189,7 +189,7 @@ pub fn response(
 ///
 /// # Errors
 /// [`StudyError`]; models without a response are rows.
-pub fn study(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, StudyError> {
+pub fn study(plan: &Plan, runner: &Runner<'_>) -> Result<Results, StudyError> {
     let mut responses: Vec<ModelResponse> = Vec::new();
     let mut wanted = plan.wanted;
     for (done, entry) in plan.entries.iter().enumerate() {
@@ -198,9 +198,13 @@ pub fn study(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, StudyError
         let label = entry.model_label();
         let key = (Key::new("response").and_scene(scene.0, scene.1)).and(&(&label, &wanted));
         let made = runner.piece(key, || {
-            let found = response(&label, scene, plan.conditions.models, &wanted, &|_| {
-                interruption::requested()
-            });
+            let found = response(
+                &label,
+                scene,
+                &plan.conditions.context.models,
+                &wanted,
+                &|_| interruption::requested(),
+            );
             match interruption::requested() {
                 true => Err(RunError::Interrupted.into()),
                 false => match found {
@@ -229,7 +233,7 @@ pub fn study(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, StudyError
     runner.report_progress(plan.entries.len(), plan.entries.len(), "report");
     let part = ResponseRecord { responses };
     Ok(Results {
-        mesh_modes: mesh_modes(&plan.entries, plan.conditions.models, runner)?,
+        mesh_modes: mesh_modes(&plan.entries, &plan.conditions.context.models, runner)?,
         ..plan.conditions.record(Part::Response(part))
     })
 }

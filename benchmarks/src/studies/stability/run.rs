@@ -39,7 +39,7 @@ struct FinishedRun {
 type ReferenceSlot = Arc<Mutex<Option<Arc<Reference>>>>;
 
 struct StudyState<'a> {
-    plan: &'a Plan<'a>,
+    plan: &'a Plan,
     runner: &'a Runner<'a>,
     /// Finished runs by the name of their cell.
     done: Mutex<HashMap<String, FinishedRun>>,
@@ -62,7 +62,7 @@ fn refined_name(map: usize, step: f64) -> String {
 /// # Errors
 /// [`StudyError`]; runs that fail are cells.
 pub fn study(
-    plan: &Plan<'_>,
+    plan: &Plan,
     runner: &Runner<'_>,
     threads: usize,
 ) -> Result<(Results, Timings), StudyError> {
@@ -129,7 +129,7 @@ pub fn study(
     Ok((
         Results {
             tolerance: Some(plan.tolerance.clone()),
-            mesh_modes: mesh_modes(&plan.entries, plan.conditions.models, runner)?,
+            mesh_modes: mesh_modes(&plan.entries, &plan.conditions.context.models, runner)?,
             ..plan
                 .conditions
                 .record(Part::Stability(StabilityRecord { maps }))
@@ -148,7 +148,7 @@ fn unless_interrupted(e: StudyError) -> Result<(), StudyError> {
 }
 
 /// Name of what a run and its converged solution depend on.
-fn key(kind: &str, plan: &Plan<'_>, map: &MapPlan, setup: &Setup) -> Key {
+fn key(kind: &str, plan: &Plan, map: &MapPlan, setup: &Setup) -> Key {
     let conditions = &plan.conditions;
     Key::new(kind)
         .and_scene(&setup.scene, &setup.modelling)
@@ -158,18 +158,18 @@ fn key(kind: &str, plan: &Plan<'_>, map: &MapPlan, setup: &Setup) -> Key {
 
 /// Name of a converged solution: rows that differ in parameters of the integrator alone share it, and so do all
 /// integrators of a model.
-fn reference_key(plan: &Plan<'_>, map: &MapPlan, setup: &Setup) -> Key {
+fn reference_key(plan: &Plan, map: &MapPlan, setup: &Setup) -> Key {
     key("converged solution", plan, map, setup)
 }
 
 /// Name of a run at a step or tolerance.
-fn run_key(plan: &Plan<'_>, map: &MapPlan, setup: &Setup, at: f64) -> Key {
+fn run_key(plan: &Plan, map: &MapPlan, setup: &Setup, at: f64) -> Key {
     key("cell", plan, map, setup).and(&(setup.method.to_string(), map.columns, at))
 }
 
 /// Builds the gears with most modes first: reductions stay in the process, and one with more modes serves those with
 /// fewer.
-fn reduce_once(plan: &Plan<'_>) -> Result<(), StudyError> {
+fn reduce_once(plan: &Plan) -> Result<(), StudyError> {
     let mut seen: Vec<(usize, usize)> = Vec::new();
     for map in &plan.maps {
         if seen.contains(&(map.set, map.entry)) {
@@ -180,14 +180,18 @@ fn reduce_once(plan: &Plan<'_>) -> Result<(), StudyError> {
         let last = (0..map.rows()).max_by(|a, b| places(a).total_cmp(&places(b)));
         for row in last.into_iter().chain([0]) {
             let setup = setup(plan, map, row)?;
-            Scene::build(&setup.scene, &setup.modelling, plan.conditions.models)
-                .map_err(RunError::from)?;
+            Scene::build(
+                &setup.scene,
+                &setup.modelling,
+                &plan.conditions.context.models,
+            )
+            .map_err(RunError::from)?;
         }
     }
     Ok(())
 }
 
-fn setup(plan: &Plan<'_>, map: &MapPlan, row: usize) -> Result<Setup, StudyError> {
+fn setup(plan: &Plan, map: &MapPlan, row: usize) -> Result<Setup, StudyError> {
     plan.setup(map, row).map_err(|e| {
         let why = format!("{}: {e}", plan.entries[map.entry].label);
         StudyError::Scene(why, "leave the parameter out for this model")

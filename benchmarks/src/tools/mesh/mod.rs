@@ -5,6 +5,7 @@ pub mod arguments;
 use crate::cli::command_result::CommandResult;
 use crate::cli::files::{ReplaceableFiles, StagedFile};
 use crate::cli::terminal::{Refusal, absolute, print_line};
+use crate::context::Context;
 use crate::scene_file;
 use arguments::Mesh as Arguments;
 use gearbench_models::spec::Body;
@@ -51,19 +52,19 @@ impl GearWithMesh {
 }
 
 /// Meshes the gears, prints the mesh quality and writes the requested files.
-pub fn run(args: &Arguments, command: &str) -> Result<CommandResult, Refusal> {
+pub fn run(context: &Context, args: &Arguments, command: &str) -> Result<CommandResult, Refusal> {
     for (option, path, ending) in [("--out", &args.out, "inp"), ("--vtu", &args.vtu, "vtu")] {
         ends_in(option, path.as_deref(), ending)?;
     }
     let gears = if is_deck(&args.input) {
         from_deck(args)?
     } else {
-        from_scene(args)?
+        from_scene(context, args)?
     };
     table(&gears);
     let mut files = Files::default();
     let overwriting = ReplaceableFiles {
-        inputs: &inputs_of(&args.input)?,
+        inputs: &inputs_of(context, &args.input)?,
         mark: Some(MARK),
         force: args.force,
     };
@@ -112,10 +113,10 @@ fn ends_in(option: &str, path: Option<&Path>, ending: &str) -> Result<(), Refusa
 }
 
 /// Files read for an input: a deck, or a scene with all files that it names.
-pub(super) fn inputs_of(input: &str) -> Result<Vec<PathBuf>, Refusal> {
+pub(super) fn inputs_of(context: &Context, input: &str) -> Result<Vec<PathBuf>, Refusal> {
     Ok(match is_deck(input) {
         true => vec![input.into()],
-        false => scene_file::load_unbuilt(input)?.inputs(),
+        false => scene_file::load_unbuilt(context, input)?.inputs(),
     })
 }
 
@@ -196,14 +197,14 @@ fn from_deck(args: &Arguments) -> Result<Vec<GearWithMesh>, Refusal> {
         .collect())
 }
 
-fn from_scene(args: &Arguments) -> Result<Vec<GearWithMesh>, Refusal> {
+fn from_scene(context: &Context, args: &Arguments) -> Result<Vec<GearWithMesh>, Refusal> {
     if args.units.is_some() {
         return Err(Refusal::Input(miette::miette!(
             help = "leave it out",
             "--units applies to decks: scenes are in SI units"
         )));
     }
-    let scene = scene_file::load_unbuilt(&args.input)?;
+    let scene = scene_file::load_unbuilt(context, &args.input)?;
     let params = params(args)?;
     let gears = chosen(scene.spec.gears, args.gear.as_deref(), &args.input, |g| {
         g.name.clone()

@@ -10,6 +10,7 @@ use crate::cli::files::ReplaceableFiles;
 use crate::cli::folder_lock::FolderLock;
 use crate::cli::progress::Display;
 use crate::cli::terminal::{Refusal, absolute, print_line};
+use crate::context::Context;
 use crate::scene_file;
 use crate::tools::mesh::{chosen, inputs_of, is_deck, named};
 use arguments::Reduce as Arguments;
@@ -67,17 +68,17 @@ struct ReducedGear {
 }
 
 /// Reduces the gears, prints the summaries and writes the requested files.
-pub fn run(args: &Arguments) -> Result<CommandResult, Refusal> {
+pub fn run(context: &Context, args: &Arguments) -> Result<CommandResult, Refusal> {
     let mut jobs = Vec::new();
     let display = Display::new(0);
     for input in &args.inputs {
         display.message(&format!("reading {input}"));
         match is_deck(input) {
             true => jobs.extend(from_deck(args, input)?),
-            false => jobs.extend(from_scene(args, input)?),
+            false => jobs.extend(from_scene(context, args, input)?),
         }
     }
-    let files = files(args, &jobs)?;
+    let files = files(context, args, &jobs)?;
     let folder = args.out.as_deref().filter(|out| out.is_dir());
     let _lock = folder.map(FolderLock::take).transpose()?;
     let mut gears = Vec::new();
@@ -198,7 +199,7 @@ fn material(args: &Arguments, of: Material) -> Result<Material, Refusal> {
     Ok(material)
 }
 
-fn from_scene(args: &Arguments, input: &str) -> Result<Vec<Job>, Refusal> {
+fn from_scene(context: &Context, args: &Arguments, input: &str) -> Result<Vec<Job>, Refusal> {
     for (option, given, key) in [
         ("--units", args.units.is_some(), "units"),
         ("--axis", args.axis.is_some(), "axis"),
@@ -213,7 +214,7 @@ fn from_scene(args: &Arguments, input: &str) -> Result<Vec<Job>, Refusal> {
             ));
         }
     }
-    let scene = scene_file::load_unbuilt(input)?;
+    let scene = scene_file::load_unbuilt(context, input)?;
     // The configuration whose gears are elastic: it says where meshes come from.
     let mut elastic = scene.models.iter().filter(|m| {
         m.modelling
@@ -301,7 +302,11 @@ fn of_scene(
 }
 
 /// The output path of each gear.
-fn files(args: &Arguments, jobs: &[Job]) -> Result<Vec<Option<PathBuf>>, Refusal> {
+fn files(
+    context: &Context,
+    args: &Arguments,
+    jobs: &[Job],
+) -> Result<Vec<Option<PathBuf>>, Refusal> {
     let Some(out) = &args.out else {
         return Ok(vec![None; jobs.len()]);
     };
@@ -329,7 +334,7 @@ fn files(args: &Arguments, jobs: &[Job]) -> Result<Vec<Option<PathBuf>>, Refusal
     }
     let mut inputs = Vec::new();
     for input in &args.inputs {
-        inputs.extend(inputs_of(input)?);
+        inputs.extend(inputs_of(context, input)?);
     }
     let overwriting = ReplaceableFiles {
         inputs: &inputs,

@@ -7,6 +7,7 @@ use crate::cli::command_result::CommandResult;
 use crate::cli::files::{ReplaceableFiles, folder_of, write_whole};
 use crate::cli::progress::Display;
 use crate::cli::terminal::{Refusal, absolute, print_line, refuse_run};
+use crate::context::Context;
 use crate::experiment::conditions::Conditions;
 use crate::experiment::interruption;
 use crate::experiment::run::{Job, RunError, run as integrate};
@@ -31,8 +32,8 @@ const RTOL: f64 = 1e-10;
 const FINER: [f64; 2] = [0.5, 0.1];
 
 /// Runs the model, writes the reference file and prints its lines for the scene.
-pub fn run(args: &Reference, command: &str) -> Result<CommandResult, Refusal> {
-    let scene = scene_file::load_for(&args.scene, Selection::Labels(Some(&args.model)))?;
+pub fn run(context: &Context, args: &Reference, command: &str) -> Result<CommandResult, Refusal> {
+    let scene = scene_file::load_for(context, &args.scene, Selection::Labels(Some(&args.model)))?;
     let choices = scene.select(Some(&args.model))?;
     let [choice] = choices.as_slice() else {
         return Err(bad(
@@ -372,7 +373,7 @@ fn with_lines(scene: &SceneFile, lines: &str) -> Result<(String, SceneFile), Ref
         Origin::File(path) => path.display().to_string(),
         Origin::Shipped => format!("{}.toml", scene.name),
     };
-    let whole = SceneFile::unbuilt(&name, &text, scene.origin.clone(), false)?;
+    let whole = SceneFile::unbuilt(&scene.context, &name, &text, scene.origin.clone(), false)?;
     Ok((text, whole))
 }
 
