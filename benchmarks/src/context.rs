@@ -3,6 +3,7 @@
 //! A program makes a context and hands it on, to the loading of scenes first: a scene keeps its context, and the
 //! conditions of its studies have it from there. Two studies with contexts of their own do not know of each other.
 
+use crate::experiment::interruption::Interruption;
 use gearbench_models::gear::table::Model;
 use std::sync::Arc;
 
@@ -11,6 +12,8 @@ use std::sync::Arc;
 pub struct Context {
     /// The gear models that scenes can name.
     pub models: Arc<[Model]>,
+    /// The request that its studies end.
+    pub interruption: Interruption,
 }
 
 impl Default for Context {
@@ -18,6 +21,7 @@ impl Default for Context {
     fn default() -> Self {
         Context {
             models: crate::models::models().into(),
+            interruption: Interruption::default(),
         }
     }
 }

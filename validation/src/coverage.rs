@@ -10,7 +10,6 @@ use crate::sampling::random::Random;
 use crate::validate::ValidationError;
 use gearbench::context::Context;
 use gearbench::experiment::runner::Runner;
-use gearbench::models::models;
 use gearbench::scene_file::calibration::{Constants, GAP};
 use gearbench::scene_file::{self, Selection};
 use gearbench::studies::identify::{CLOCK, Data, DataSet, FitOptions, FitPlan, identify, modelled};

@@ -185,6 +185,7 @@ fn history(
         let mut built = Scene::build(&spec, &fe.modelling, models()).map_err(|e| other(&e))?;
         let mut method = scheme.method.build();
         force_on_grid(
+            &scene.context,
             &mut built,
             method.as_mut(),
             scheme.resolution,

@@ -32,6 +32,7 @@ use gearbench::cli::exit::Exit;
 use gearbench::cli::progress::Display;
 use gearbench::cli::study_folder::StudyFolder;
 use gearbench::cli::terminal::{self, Refusal, print_line, print_text};
+use gearbench::context::Context;
 use gearbench::experiment::conditions::silent;
 use gearbench::experiment::journal::{JOURNAL, Journal, Subject};
 use gearbench::experiment::machine;
@@ -171,7 +172,7 @@ fn reduce(args: &arguments::Reduction) -> Result<CommandResult, Refusal> {
     };
     let journal =
         Journal::open(&kept, &subject, false).map_err(|e| Refusal::Files(e.to_string()))?;
-    let runner = Arc::new(Runner::new(journal, &silent));
+    let runner = Arc::new(Runner::new(Context::default(), journal, &silent));
     let mut rows = Vec::new();
     for number in first..=last {
         let row = reduction::compare(&set, number, &runner).map_err(refuse)?;
@@ -240,7 +241,7 @@ fn carry(args: &arguments::Identification, command: &str) -> Result<CommandResul
     };
     let journal =
         Journal::open(&kept, &subject, false).map_err(|e| Refusal::Files(e.to_string()))?;
-    let runner = Runner::new(journal, &silent);
+    let runner = Runner::new(Context::default(), journal, &silent);
     let mut all = Vec::new();
     for scene in &args.scenes {
         all.push(identification::carry(scene, &runner, &print_line).map_err(refuse)?);
@@ -281,7 +282,12 @@ fn validate(args: &arguments::Run, command: &str) -> Result<CommandResult, Refus
         fresh: args.fresh,
         ..Output::default()
     };
-    let mut folder = StudyFolder::open(&output, name, Study::ChoiceCheck.as_str())?;
+    let mut folder = StudyFolder::open(
+        &Context::default(),
+        &output,
+        name,
+        Study::ChoiceCheck.as_str(),
+    )?;
     let runner = folder.runner(&silent);
     let plan = Plan {
         set: set.clone(),

@@ -21,7 +21,7 @@ pub mod terminal;
 pub(crate) mod values;
 
 use crate::context::Context;
-use crate::experiment::{interruption, machine};
+use crate::experiment::machine;
 use crate::fmu::{self, arguments::Fmu};
 use crate::tools::completions::{self, Completions};
 use crate::tools::mesh::{self, arguments::Mesh};
@@ -161,11 +161,12 @@ impl Command {
 
 /// Parses the command line, runs the command and returns its exit code.
 pub fn main() -> ExitCode {
-    if let Err(e) = interruption::catch() {
+    let context = Context::default();
+    if let Err(e) = context.interruption.catch_signals() {
         terminal::warn(&format!("signals cannot be caught: {e}"));
     }
     match Cli::read(std::env::args_os()) {
-        Ok(cli) => run(Context::default(), cli),
+        Ok(cli) => run(context, cli),
         Err(e) => refuse(&e),
     }
 }

@@ -12,10 +12,10 @@ use super::folder_lock::FolderLock;
 use super::measured;
 use super::progress::Display;
 use super::terminal::{Refusal, absolute, print_line, warn};
+use crate::context::Context;
 use crate::experiment::budget::Budget;
 use crate::experiment::conditions::Progress;
 use crate::experiment::configuration::refused;
-use crate::experiment::interruption;
 use crate::experiment::journal::{JOURNAL, Journal, JournalError, Subject};
 use crate::experiment::runner::Runner;
 use crate::scene_file::SceneFile;
@@ -38,6 +38,7 @@ const REFUSED_MODEL: &str = "refused";
 
 /// The output folder of a study while the study runs.
 pub struct StudyFolder {
+    context: Context,
     path: PathBuf,
     journal: Option<Journal>,
     /// The outermost folder that was created for this study.
@@ -67,8 +68,13 @@ impl StudyFolder {
     /// # Errors
     /// [`Refusal::Files`] when the folder, or the journal in it, cannot be written; [`Refusal::Input`] when another process
     /// works there, or when it holds the results of another study.
-    pub fn open(output: &Output, scene: &str, study: &str) -> Result<Self, Refusal> {
-        Self::begin(output, (scene, study), None)
+    pub fn open(
+        context: &Context,
+        output: &Output,
+        scene: &str,
+        study: &str,
+    ) -> Result<Self, Refusal> {
+        Self::begin(context, output, (scene, study), None)
     }
 
     /// Opens the folder of a study of a scene, which becomes part of the record.
@@ -76,10 +82,11 @@ impl StudyFolder {
     /// # Errors
     /// As [`StudyFolder::open`], and [`Refusal::Input`] when files that the scene reads are among the results.
     pub fn of(output: &Output, scene: &SceneFile, study: &str) -> Result<Self, Refusal> {
-        Self::begin(output, (&scene.name, study), Some(scene))
+        Self::begin(&scene.context, output, (&scene.name, study), Some(scene))
     }
 
     fn begin(
+        context: &Context,
         output: &Output,
         (name, study): (&str, &str),
         scene: Option<&SceneFile>,
@@ -98,6 +105,7 @@ impl StudyFolder {
         let made = made.map(Path::to_owned);
         std::fs::create_dir_all(&path).map_err(fail)?;
         let mut folder = StudyFolder {
+            context: context.clone(),
             journal: None,
             has_journal: false,
             lock: Some(FolderLock::take(&path)?),
@@ -123,7 +131,7 @@ impl StudyFolder {
             opened => opened?,
         });
         folder.has_journal = true;
-        interruption::defer();
+        context.interruption.defer();
         let rows = scene.iter().flat_map(|s| &s.refused);
         folder.refused = rows
             .map(|r| refused(&r.label, &r.model, r.error.to_text()))
@@ -163,12 +171,12 @@ impl StudyFolder {
     /// Creates the runner of the pieces of the study. The first call hands the journal over to it.
     pub fn runner<'a>(&mut self, progress: Progress<'a>) -> Runner<'a> {
         match self.journal.take() {
-            Some(journal) => Runner::new(journal, progress).announcing(&|pieces| {
+            Some(journal) => Runner::new(self.context.clone(), journal, progress).announcing(&|pieces| {
                 print_line(&format!(
                     "continuing after {pieces} finished pieces of an interrupted study (--fresh repeats all)"
                 ));
             }),
-            None => Runner::default(),
+            None => Runner::of(self.context.clone()),
         }
     }
 
@@ -206,7 +214,7 @@ impl StudyFolder {
             let what = format!("{}: {why}", row.model_label());
             results.settings.push((REFUSED_MODEL.into(), what));
         }
-        let stopped = interruption::requested();
+        let stopped = self.context.interruption.is_requested();
         if stopped {
             let planned = results.runs.len();
             (results.runs).retain(|r| r.status != Status::Interrupted);
@@ -265,7 +273,7 @@ impl StudyFolder {
 
     /// Ends the study: removes the journal, unless the study was interrupted.
     pub fn close(&self) {
-        if !interruption::requested() {
+        if !self.context.interruption.is_requested() {
             // A journal that cannot be removed is taken up by the next start, with the same results.
             let _ = std::fs::remove_file(self.path.join(JOURNAL));
         }

@@ -4,7 +4,6 @@ use super::contact_log::ContactLog;
 pub use super::error::RunError;
 use super::flanks::{deformed_sections, flank_loads};
 use super::history::History;
-use super::interruption;
 use super::key::Key;
 use super::machine::cpu_time;
 use super::monitored_observer::MonitoredObserver;
@@ -98,7 +97,7 @@ impl Job<'_> {
             events: self.events,
             max_steps: self.max_steps,
             time_limit: (self.timeout < NO_BOUND).then_some(self.timeout),
-            cancel: Some(interruption::flag()),
+            cancel: Some(self.context.interruption.flag()),
         }
     }
 }
@@ -232,7 +231,7 @@ fn timed_from(
         limits::check(what, dense_bytes(n), way_out)?;
     }
     check_histories(job, scene)?;
-    if interruption::requested() {
+    if job.context.interruption.is_requested() {
         return Err(RunError::Interrupted);
     }
 
@@ -313,7 +312,7 @@ fn timed_from(
         times.push(begin.read(Duration::ZERO));
     }
     // A repeat that was cut short is no time.
-    if interruption::requested() {
+    if job.context.interruption.is_requested() {
         return Err(RunError::Interrupted);
     }
     let repeats = times.len() as u32;
@@ -394,6 +393,7 @@ pub fn bare<'j>(job: &'j Job<'_>, scene: &'j mut Scene) -> impl FnMut() + 'j {
 
 /// Integrates without timing and status, and returns the force at the sampling times, for fits [N].
 pub fn force_on_grid(
+    context: &Context,
     scene: &mut Scene,
     method: &mut dyn Integrator,
     resolution: Resolution,
@@ -405,7 +405,7 @@ pub fn force_on_grid(
     let end = grid.last().copied().unwrap_or(0.0);
     let plan = TimePlan {
         max_steps,
-        cancel: Some(interruption::flag()),
+        cancel: Some(context.interruption.flag()),
         ..TimePlan::new(end, resolution)
     };
     let sink: &mut dyn Sink = &mut history;

@@ -197,6 +197,7 @@ fn identification_finds_the_stored_rigid_calibration_again() {
         let mut built = gearbench_models::scene::Scene::build(&spec, &modelling, MODELS).unwrap();
         let mut dopri5 = gearbench_integrators::table::DOPRI5.build();
         let force = gearbench::experiment::run::force_on_grid(
+            &Context::default(),
             &mut built,
             dopri5.as_mut(),
             Resolution::Tolerance(1e-8),

@@ -12,7 +12,6 @@ use crate::cli::exit::Exit;
 use crate::cli::study_folder::StudyFolder;
 use crate::cli::terminal::{Refusal, absolute, print_line, refuse_run};
 use crate::context::Context;
-use crate::experiment::interruption;
 use crate::experiment::machine;
 use crate::experiment::run::RunError;
 use crate::experiment::runner::Runner;
@@ -62,7 +61,7 @@ pub fn run(context: &Context, args: &Check, command: &str) -> Result<CommandResu
             out: args.output.out.clone().or(Some(usual)),
             ..args.output.clone()
         };
-        let folder = StudyFolder::open(&output, &name, "check")?;
+        let folder = StudyFolder::open(context, &output, &name, "check")?;
         let drawn = results(CheckRecord { history, ..record });
         return folder.finish(drawn, |_| Exit::Done, |_| {});
     }
@@ -76,12 +75,12 @@ pub fn run(context: &Context, args: &Check, command: &str) -> Result<CommandResu
     let cases = file.select(&args.cases, args.quick)?;
     let loaded = cases.iter().map(|case| load(context, &file, case));
     let loaded = loaded.collect::<Result<Vec<_>, _>>()?;
-    let mut folder = StudyFolder::open(&args.output, &name, "check")?;
+    let mut folder = StudyFolder::open(context, &args.output, &name, "check")?;
     let newest = baselines.newest().cloned().unwrap_or_default();
     let total = loaded.iter().map(LoadedCase::len).sum();
     let made = folder.run(total, |runner| -> Result<_, RunError> {
         let mut groups = measure(&loaded, (runner, total))?;
-        if !(args.no_runtime || interruption::requested()) {
+        if !(args.no_runtime || runner.is_interrupted()) {
             let doubt = RepeatRule {
                 newest: &newest,
                 update: args.update,
@@ -95,7 +94,7 @@ pub fn run(context: &Context, args: &Check, command: &str) -> Result<CommandResu
             .collect::<Vec<_>>())
     });
     let mut entries = made.map_err(|e| folder.refuse(refuse_run(e)))?;
-    let stopped = interruption::requested();
+    let stopped = context.interruption.is_requested();
     entries.retain(|e| e.measured.status != Status::Interrupted);
     let here = machine::machine();
     let same = here.cpu == newest.stored.cpu;
@@ -184,7 +183,7 @@ fn time(
         let mut done = 0;
         for group in &mut *groups {
             for i in 0..group.entries.len() {
-                if interruption::requested() {
+                if runner.is_interrupted() {
                     return Ok(());
                 }
                 let entry = &group.entries[i];

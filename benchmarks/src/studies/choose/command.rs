@@ -19,7 +19,6 @@ use crate::cli::terminal::{Refusal, absolute, all_references_of, print_line, ref
 use crate::context::Context;
 use crate::experiment::conditions::silent;
 use crate::experiment::configuration::Configuration;
-use crate::experiment::interruption;
 use crate::experiment::run::RunError;
 use crate::experiment::small_signals::mesh_modes;
 use crate::scene_file::references::LoadedReference;
@@ -57,7 +56,7 @@ pub fn run(context: &Context, args: &Choose, command: &str) -> Result<CommandRes
     let display = Display::new(0);
     let choice = choose(&problem, &requirement, |what| display.message(what));
     drop(display);
-    if interruption::requested() {
+    if context.interruption.is_requested() {
         return Err(folder.interrupted());
     }
     let mut choice = choice.map_err(|e| folder.refuse(refuse(&scene, &problem, e)))?;

@@ -126,7 +126,7 @@ impl Problem {
             },
         );
         Problem {
-            runner: Arc::default(),
+            runner: Arc::new(Runner::of(file.context.clone())),
             runs: 1,
             timeout: Duration::from_secs_f64(DEFAULT_TIMEOUT),
             name: file.name.clone(),

@@ -6,7 +6,6 @@ use super::theory;
 use crate::experiment::decimation::decimate_run;
 use crate::experiment::error::StudyError;
 use crate::experiment::history::History;
-use crate::experiment::interruption;
 use crate::experiment::parallel::{in_parallel, lock};
 use crate::experiment::record::time_series;
 use crate::experiment::run::{Job, NO_BOUND, RunError, run};
@@ -224,12 +223,13 @@ impl SharedData<'_> {
             t_end: job.t_end,
             events: job.events,
             max_steps: job.max_steps,
+            cancel: job.context.interruption.flag(),
             timeout: (job.timeout < NO_BOUND).then_some(job.timeout),
             hopeless: self.scale().map_or(f64::MAX, |e| HOPELESS * e),
         };
         let Entry { frames, method, .. } = self.entry;
         let found = exchange(scene, frames, method, manner, bounds, &mut history);
-        if interruption::requested() {
+        if job.context.interruption.is_requested() {
             return Err(RunError::Interrupted.into());
         }
         let series = time_series(&job, scene, &history);

@@ -18,8 +18,7 @@ use crate::context::Context;
 use crate::experiment::conditions::{Conditions, silent};
 use crate::experiment::configuration::Configuration;
 use crate::experiment::error::StudyError;
-use crate::experiment::interruption;
-use crate::experiment::runner::{WorkError, attempt};
+use crate::experiment::runner::WorkError;
 use crate::experiment::settings::settings;
 use crate::scene_file::references::LoadedReference;
 use crate::scene_file::{self, ModelChoice, SceneFile, Selection, did_you_mean};
@@ -80,8 +79,8 @@ pub fn run(context: &Context, args: &Identify, command: &str) -> Result<CommandR
                 ));
             })
         };
-        match attempt(fit) {
-            Ok(_) | Err(WorkError::Interrupted) if interruption::requested() => break,
+        match runner.attempt(fit) {
+            Ok(_) | Err(WorkError::Interrupted) if context.interruption.is_requested() => break,
             Ok(fit) => found.push((choice, fit)),
             Err(why) => refused.push((choice, why)),
         }
@@ -101,7 +100,7 @@ pub fn run(context: &Context, args: &Identify, command: &str) -> Result<CommandR
     }
     drop(runner);
     // Where no model is fitted the study has no result: the first reason is its refusal.
-    let none = found.is_empty() && !interruption::requested();
+    let none = found.is_empty() && !context.interruption.is_requested();
     for (choice, why) in refused {
         let error = |e| folder.refuse(refuse(&scene, choice, e));
         let (status, why) = match why {
@@ -128,7 +127,7 @@ pub fn run(context: &Context, args: &Identify, command: &str) -> Result<CommandR
     let results = conditions.record(Part::Identify(IdentifyRecord { fits, histories }));
     let answer = folder.finish(results, |_| Exit::Done, summarise)?;
     let answer = answer.with("reference", &names).with("models", told);
-    if interruption::requested() {
+    if context.interruption.is_requested() {
         print_line("no constants were written");
         return Ok(answer);
     }

@@ -53,7 +53,14 @@ pub fn modelled(
             let mut scene = assemble(&spec, &modelling, &plan.context.models)?;
             let mut dopri5 = DOPRI5.build();
             let (tolerance, grid) = (Resolution::Tolerance(RTOL), &shifted[before..]);
-            let found = force_on_grid(&mut scene, dopri5.as_mut(), tolerance, MAX_STEPS, grid)?;
+            let found = force_on_grid(
+                &plan.context,
+                &mut scene,
+                dopri5.as_mut(),
+                tolerance,
+                MAX_STEPS,
+                grid,
+            )?;
             match found.len() == grid.len() {
                 true => Ok([vec![0.0; before], found].concat()),
                 false => Err(IdentifyError::Short(set.name.clone())),

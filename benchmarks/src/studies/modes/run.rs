@@ -3,7 +3,6 @@
 use super::plan::Plan;
 use super::shares::{name, name_of, shape, shares};
 use crate::experiment::error::StudyError;
-use crate::experiment::interruption;
 use crate::experiment::key::Key;
 use crate::experiment::runner::Runner;
 use crate::experiment::small_signals::mesh_mode::{FEW, mesh_mode_of, resonance, with_resonance};
@@ -253,7 +252,7 @@ fn listed(
 pub fn study(plan: &Plan, runner: &Runner<'_>) -> Result<Results, StudyError> {
     let (mut vibrations_of, mut mesh_modes) = (Vec::new(), Vec::new());
     for (done, entry) in plan.entries.iter().enumerate() {
-        if interruption::requested() {
+        if runner.is_interrupted() {
             // After an interruption the finished part is reported.
             break;
         }

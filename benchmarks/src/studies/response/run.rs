@@ -2,7 +2,6 @@
 
 use super::plan::{FrequencyGrid, Plan};
 use crate::experiment::error::StudyError;
-use crate::experiment::interruption;
 use crate::experiment::key::Key;
 use crate::experiment::run::RunError;
 use crate::experiment::runner::Runner;
@@ -203,9 +202,9 @@ pub fn study(plan: &Plan, runner: &Runner<'_>) -> Result<Results, StudyError> {
                 scene,
                 &plan.conditions.context.models,
                 &wanted,
-                &|_| interruption::requested(),
+                &|_| runner.is_interrupted(),
             );
-            match interruption::requested() {
+            match runner.is_interrupted() {
                 true => Err(RunError::Interrupted.into()),
                 false => match found {
                     Err(e) if e.fault == Fault::Model => Ok(ModelResponse {
@@ -221,7 +220,7 @@ pub fn study(plan: &Plan, runner: &Runner<'_>) -> Result<Results, StudyError> {
         });
         let found = match made {
             // After an interruption the finished part is reported.
-            Err(_) if interruption::requested() => break,
+            Err(_) if runner.is_interrupted() => break,
             made => made?,
         };
         // All models at the frequencies of the first.

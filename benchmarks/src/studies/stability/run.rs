@@ -4,7 +4,6 @@ use super::cell::Reference;
 use super::plan::{MapPlan, Plan};
 use super::setup::Setup;
 use crate::experiment::error::StudyError;
-use crate::experiment::interruption;
 use crate::experiment::key::Key;
 use crate::experiment::parallel::{in_parallel, lock};
 use crate::experiment::run::RunError;
@@ -96,12 +95,16 @@ pub fn study(
         }
     }
     in_parallel(threads, &needed, |(_, m, row)| {
-        if interruption::requested() {
+        if runner.is_interrupted() {
             return Ok(());
         }
         work.reference(*m, *row).map(|_| ())
     })
-    .or_else(unless_interrupted)?;
+    .or_else(|e| match runner.is_interrupted() {
+        // The runs concerned are cells that were not computed.
+        true => Ok(()),
+        false => Err(e),
+    })?;
     in_parallel(threads, &pending, |(m, c)| work.cell(*m, *c))?;
     if plan.refine {
         let all: Vec<usize> = (0..plan.maps.len()).collect();
@@ -136,15 +139,6 @@ pub fn study(
         },
         timings,
     ))
-}
-
-/// Returns success for errors after an interruption: the runs concerned are cells that were not computed.
-fn unless_interrupted(e: StudyError) -> Result<(), StudyError> {
-    if interruption::requested() {
-        Ok(())
-    } else {
-        Err(e)
-    }
 }
 
 /// Name of what a run and its converged solution depend on.
@@ -242,7 +236,7 @@ impl StudyState<'_> {
     fn run(&self, m: usize, row: usize, at: f64, name: String) -> Result<(), StudyError> {
         let map = &self.plan.maps[m];
         let setup = setup(self.plan, map, row)?;
-        let made = if interruption::requested() {
+        let made = if self.runner.is_interrupted() {
             Err(StudyError::Run(RunError::Interrupted))
         } else {
             (self.runner).piece(run_key(self.plan, map, &setup, at), || {
@@ -253,7 +247,7 @@ impl StudyState<'_> {
             })
         };
         let done = match made {
-            Err(_) if interruption::requested() => FinishedRun {
+            Err(_) if self.runner.is_interrupted() => FinishedRun {
                 cell: Cell {
                     at,
                     status: Status::Interrupted,
@@ -281,7 +275,7 @@ impl StudyState<'_> {
         for _ in 0..MOST_REFINED {
             let map = self.assemble(m, &mut Timings::new());
             let next = map.limit().and_then(|l| l.next());
-            let Some(step) = next.filter(|_| !interruption::requested()) else {
+            let Some(step) = next.filter(|_| !self.runner.is_interrupted()) else {
                 break;
             };
             self.total.fetch_add(1, Ordering::Relaxed);

@@ -2,7 +2,6 @@
 
 use super::plan::{Entry, Plan};
 use crate::experiment::error::StudyError;
-use crate::experiment::interruption;
 use crate::experiment::key::Key;
 use crate::experiment::run::RunError;
 use crate::experiment::runner::Runner;
@@ -22,7 +21,7 @@ pub fn study(plan: &Plan, runner: &Runner<'_>) -> Result<Results, StudyError> {
     let total = plan.positions * plan.entries.len();
     let (mut all, mut first) = (Vec::new(), None);
     for (i, (entry, force)) in plan.entries.iter().enumerate() {
-        if interruption::requested() {
+        if runner.is_interrupted() {
             return Err(RunError::Interrupted.into());
         }
         let done = plan.positions * i;
@@ -154,7 +153,8 @@ mod tests {
         let progress = |done: usize, _: usize, _: &str| {
             solved.fetch_add(usize::from(!done.is_multiple_of(4)), Ordering::Relaxed);
         };
-        let run = |plan: &Plan| study(plan, &Runner::new(open(), &progress)).unwrap();
+        let run =
+            |plan: &Plan| study(plan, &Runner::new(Context::default(), open(), &progress)).unwrap();
         let first = run(&plan);
         // The last position of each ends a multiple of four.
         assert_eq!((solved.load(Ordering::Relaxed), open().len()), (6, 2));

@@ -9,7 +9,6 @@ use crate::cli::progress::Display;
 use crate::cli::terminal::{Refusal, absolute, print_line, refuse_run};
 use crate::context::Context;
 use crate::experiment::conditions::Conditions;
-use crate::experiment::interruption;
 use crate::experiment::run::{Job, RunError, run as integrate};
 use crate::scene_file::references::{ConditionsOfGear, ReferenceConditions};
 use crate::scene_file::{
@@ -61,7 +60,7 @@ pub fn run(context: &Context, args: &Reference, command: &str) -> Result<Command
         force: args.force,
     };
     overwriting.check(&args.out)?;
-    interruption::defer();
+    context.interruption.defer();
     let display = Display::new(2);
     display.report_progress(
         0,
@@ -325,7 +324,7 @@ fn row(
         ..conditions.job((&spec, &choice.modelling), method, &grid)
     };
     let row = integrate(&job).map_err(refuse_run)?;
-    match interruption::requested() {
+    match scene.context.interruption.is_requested() {
         true => Err(Refusal::Interrupted),
         false => Ok(row),
     }

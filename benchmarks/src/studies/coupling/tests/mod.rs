@@ -95,6 +95,7 @@ fn built(file: &SceneFile) -> BuiltModel {
 impl BuiltModel {
     fn coupled(&mut self, method: &Scheme, manner: CouplingScheme, t_end: f64) -> CoupledRun {
         let bounds = Bounds {
+            cancel: &std::sync::atomic::AtomicBool::new(false),
             t_end,
             events: true,
             max_steps: u64::MAX,

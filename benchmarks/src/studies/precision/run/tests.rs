@@ -31,7 +31,7 @@ fn small(asked: &PrecisionOptions) -> Results {
     };
     let folder = tempfile::tempdir().unwrap();
     let journal = Journal::open(&folder.path().join(JOURNAL), &Subject::default(), true).unwrap();
-    let results = study(&plan, &Runner::new(journal, &progress)).unwrap();
+    let results = study(&plan, &Runner::new(Context::default(), journal, &progress)).unwrap();
     assert_eq!(last.into_inner(), total);
     results
 }

@@ -149,7 +149,7 @@ fn a_study_that_was_cut_off_goes_on() {
     let go = |plan: &Plan| {
         let journal = Journal::open(&path, &Subject::default(), false).unwrap();
         let before = journal.len();
-        let made = study(plan, &Runner::new(journal, &silent), 2).unwrap();
+        let made = study(plan, &Runner::new(Context::default(), journal, &silent), 2).unwrap();
         (
             made,
             before,
