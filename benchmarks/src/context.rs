@@ -5,6 +5,7 @@
 
 use crate::experiment::interruption::Interruption;
 use gearbench_models::gear::table::Model;
+use gearbench_reports::record::Source;
 use std::sync::Arc;
 
 /// What a command or a study has of its own; a clone is the same context.
@@ -14,6 +15,8 @@ pub struct Context {
     pub models: Arc<[Model]>,
     /// The request that its studies end.
     pub interruption: Interruption,
+    /// The source of the record that is rerun, which replaces its scene file and calibrations.
+    pub rerun: Option<Arc<Source>>,
 }
 
 impl Default for Context {
@@ -22,6 +25,7 @@ impl Default for Context {
         Context {
             models: crate::models::models().into(),
             interruption: Interruption::default(),
+            rerun: None,
         }
     }
 }

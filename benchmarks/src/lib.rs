@@ -2,7 +2,7 @@
 //!
 //! | module | owns |
 //! |---|---|
-//! | [`context`] | what a command or a study has of its own: models, interruption |
+//! | [`context`] | what a command or a study has of its own: models, interruption, scene of a rerun |
 //! | [`models`] | the table of gear models |
 //! | [`scene_file`] | the scene format, embedded scenes, calibrations |
 //! | [`experiment`] | runs of one model under one integrator: conditions, row of the record, status |

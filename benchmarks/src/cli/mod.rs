@@ -257,7 +257,11 @@ fn again(context: &Context, args: &Rerun) -> Result<CommandResult, Refusal> {
             again.study()
         ))
     })?;
-    let answer = study.confined_to(again.out.clone()).run(context, shown)?;
+    let context = Context {
+        rerun: Some(again.source.clone()),
+        ..context.clone()
+    };
+    let answer = study.confined_to(again.out.clone()).run(&context, shown)?;
     again.compare(answer)
 }
 

@@ -2,7 +2,6 @@
 
 use super::reading::suggest;
 use super::shipped::{self, SHIPPED};
-use super::source::{recorded, recorded_calibration};
 use super::{Calibration, Origin, SceneError, SceneFile};
 use crate::cli::progress::Display;
 use crate::cli::terminal::warn;
@@ -130,13 +129,13 @@ fn read(context: &Context, path_or_name: &str, calibrated: bool) -> Result<Scene
         return SceneFile::unbuilt(
             context,
             &format!("{}.toml", s.name),
-            recorded(s.name).unwrap_or(s.text),
+            context.recorded(s.name).unwrap_or(s.text),
             Origin::Shipped,
             calibrated,
         );
     }
     let path = Path::new(path_or_name);
-    let is_recorded = recorded(path_or_name).is_some();
+    let is_recorded = context.recorded(path_or_name).is_some();
     if path.is_dir() && !is_recorded {
         return Err(SceneError::plain(
             format!("`{path_or_name}` is a folder, not a scene"),
@@ -165,7 +164,7 @@ fn read(context: &Context, path_or_name: &str, calibrated: bool) -> Result<Scene
         let what = format!("there is no scene `{path_or_name}`");
         return Err(SceneError::plain(what, help));
     }
-    let read = || match recorded(path_or_name) {
+    let read = || match context.recorded(path_or_name) {
         Some(text) => Ok(text.to_owned()),
         None => files::read_text(path, files::MOST_OF_TEXT),
     };
@@ -208,11 +207,12 @@ fn contents(folder: &Path) -> String {
 /// Finds the calibrations of a scene by model: in the file next to the scene, else in the scene itself, else among the
 /// embedded ones of that name.
 pub(super) fn find_calibration(
+    context: &Context,
     scene: &str,
     (name, own): (&str, &Calibration),
     origin: &Origin,
 ) -> Result<Option<Calibration>, SceneError> {
-    if let Some(text) = recorded_calibration(scene) {
+    if let Some(text) = context.recorded_calibration(scene) {
         return Calibration::parse("the record", text).map(Some);
     }
     if let (Origin::File(path), true) = (origin, scene == name) {

@@ -279,7 +279,7 @@ impl SceneFile {
         let on_shafts = shaft::groups(&shafts);
         let meshes = mesh::meshes(&keys.meshes, &mut drafts, &on_shafts, &root)?;
         let own = Calibration::of(keys.calibration, &root.key("calibration"))?;
-        let find = |scene: &str| load::find_calibration(scene, (&name, &own), &origin);
+        let find = |scene: &str| load::find_calibration(context, scene, (&name, &own), &origin);
         let parts = model::Context {
             scene: &name,
             shipped: origin == Origin::Shipped,

@@ -9,12 +9,13 @@ use crate::cli::command_result::CommandResult;
 use crate::cli::exit::Exit;
 use crate::cli::terminal::{Refusal, absolute, print_line, warn};
 use crate::experiment::machine;
-use crate::scene_file::source::{changed, replace_scenes};
+use crate::scene_file::source::changed;
 use clap::Args;
-use gearbench_reports::record::{OF_THE_CLOCK, Results};
+use gearbench_reports::record::{OF_THE_CLOCK, Results, Source};
 use gearbench_reports::{ReportError, load_results};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -46,6 +47,8 @@ pub struct RecordedCommand {
     pub words: Vec<String>,
     /// Folder of the new record.
     pub out: PathBuf,
+    /// Scene and calibrations of the record.
+    pub source: Arc<Source>,
     before: Results,
 }
 
@@ -56,7 +59,7 @@ fn refuse(e: &ReportError) -> Refusal {
     ))
 }
 
-/// Reads the record and replaces its scene by the recorded one.
+/// Reads the record and compares the files that its scene names.
 ///
 /// # Errors [`Refusal`] for a record that cannot be made again: of a version that did not keep its scene, or with files
 /// that have changed.
@@ -96,8 +99,12 @@ pub fn prepare(args: &Rerun) -> Result<RecordedCommand, Refusal> {
         // `gearbench` alone is the default comparison.
         words.push(gearbench_reports::Study::Compare.as_str().into());
     }
-    replace_scenes(source);
-    Ok(RecordedCommand { words, out, before })
+    Ok(RecordedCommand {
+        words,
+        out,
+        source: source.into(),
+        before,
+    })
 }
 
 impl RecordedCommand {
