@@ -4,6 +4,7 @@
 //! conditions of its studies have it from there. Two studies with contexts of their own do not know of each other.
 
 use crate::experiment::interruption::Interruption;
+use crate::messages::Messages;
 use gearbench_models::gear::table::Model;
 use gearbench_reports::record::Source;
 use std::sync::Arc;
@@ -17,6 +18,8 @@ pub struct Context {
     pub interruption: Interruption,
     /// The source of the record that is rerun, which replaces its scene file and calibrations.
     pub rerun: Option<Arc<Source>>,
+    /// Output and warnings.
+    pub messages: Messages,
 }
 
 impl Default for Context {
@@ -26,6 +29,7 @@ impl Default for Context {
             models: crate::models::models().into(),
             interruption: Interruption::default(),
             rerun: None,
+            messages: Messages::default(),
         }
     }
 }

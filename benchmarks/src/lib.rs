@@ -2,7 +2,8 @@
 //!
 //! | module | owns |
 //! |---|---|
-//! | [`context`] | what a command or a study has of its own: models, interruption, scene of a rerun |
+//! | [`context`] | what a command or a study has of its own: models, interruption, scene of a rerun, messages |
+//! | [`messages`] | standard output and standard error, warnings |
 //! | [`models`] | the table of gear models |
 //! | [`scene_file`] | the scene format, embedded scenes, calibrations |
 //! | [`experiment`] | runs of one model under one integrator: conditions, row of the record, status |
@@ -15,6 +16,7 @@ pub mod cli;
 pub mod context;
 pub mod experiment;
 pub mod fmu;
+pub mod messages;
 pub mod models;
 pub mod scene_file;
 pub mod studies;

@@ -23,6 +23,7 @@ pub(crate) mod values;
 use crate::context::Context;
 use crate::experiment::machine;
 use crate::fmu::{self, arguments::Fmu};
+use crate::messages::OutputForm;
 use crate::tools::completions::{self, Completions};
 use crate::tools::mesh::{self, arguments::Mesh};
 use crate::tools::reduce::{self, arguments::Reduce};
@@ -39,7 +40,7 @@ use std::ffi::OsString;
 use std::process::ExitCode;
 use std::sync::OnceLock;
 use study_command::StudyCommand;
-use terminal::{OutputForm, Refusal};
+use terminal::Refusal;
 use values::{DEFAULT_MEMORY, gigabytes};
 
 /// The text after the options of `--help`: examples and exit codes.
@@ -163,11 +164,13 @@ impl Command {
 pub fn main() -> ExitCode {
     let context = Context::default();
     if let Err(e) = context.interruption.catch_signals() {
-        terminal::warn(&format!("signals cannot be caught: {e}"));
+        context
+            .messages
+            .warn(&format!("signals cannot be caught: {e}"));
     }
     match Cli::read(std::env::args_os()) {
         Ok(cli) => run(context, cli),
-        Err(e) => refuse(&e),
+        Err(e) => refuse(context, &e),
     }
 }
 
@@ -207,12 +210,12 @@ fn models_of(command_line: &str) -> Option<Option<String>> {
 }
 
 /// Runs a command in a context and reports how it ended.
-pub fn run(context: Context, cli: Cli) -> ExitCode {
-    terminal::choose(match (cli.json, cli.quiet) {
+pub fn run(mut context: Context, cli: Cli) -> ExitCode {
+    context.messages.form = match (cli.json, cli.quiet) {
         (true, _) => OutputForm::Json,
         (_, true) => OutputForm::Quiet,
         _ => OutputForm::Lines,
-    });
+    };
     // Before anything is read or built: estimates are compared with it from the first file on.
     limits::set_memory(cli.memory * 1e9);
     let told = terminal::command_line("gearbench");
@@ -220,13 +223,13 @@ pub fn run(context: Context, cli: Cli) -> ExitCode {
         None => StudyCommand::default().run(&context, "gearbench"),
         Some(command) => command.run(&context, &told),
     };
-    terminal::end(&told, done)
+    terminal::end(&context.messages, &told, done)
 }
 
 /// Repeats a study from its record. As a record is external input, its command has to be the study of the record, and
 /// all output of the study goes into the given folder.
 fn again(context: &Context, args: &Rerun) -> Result<CommandResult, Refusal> {
-    let again = rerun::prepare(args)?;
+    let again = rerun::prepare(context, args)?;
     let shown = again.command();
     let refuse = |help: String| {
         Refusal::Input(miette::miette!(
@@ -262,17 +265,19 @@ fn again(context: &Context, args: &Rerun) -> Result<CommandResult, Refusal> {
         ..context.clone()
     };
     let answer = study.confined_to(again.out.clone()).run(&context, shown)?;
-    again.compare(answer)
+    again.compare(&context, answer)
 }
 
 /// Prints the requested help, or an error in the arguments in the form of all refusals.
-fn refuse(e: &clap::Error) -> ExitCode {
+fn refuse(mut context: Context, e: &clap::Error) -> ExitCode {
     if !e.use_stderr() {
-        terminal::print_text(e.render().to_string().trim_end());
-        return terminal::end("", Ok(CommandResult::done()));
+        context
+            .messages
+            .print_text(e.render().to_string().trim_end());
+        return terminal::end(&context.messages, "", Ok(CommandResult::done()));
     }
     if std::env::args_os().any(|a| a == "--json") {
-        terminal::choose(OutputForm::Json);
+        context.messages.form = OutputForm::Json;
     }
     let text = e.render().to_string();
     let mut parts = text.split("\n\n").map(str::trim).filter(|p| !p.is_empty());
@@ -281,6 +286,7 @@ fn refuse(e: &clap::Error) -> ExitCode {
     let help: Vec<&str> = parts.collect();
     let report = miette::miette!(help = help.join("\n"), "{message}");
     terminal::end(
+        &context.messages,
         &terminal::command_line("gearbench"),
         Err(Refusal::Input(report)),
     )

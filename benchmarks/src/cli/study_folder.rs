@@ -11,13 +11,14 @@ use super::files::{folder_of, is_same};
 use super::folder_lock::FolderLock;
 use super::measured;
 use super::progress::Display;
-use super::terminal::{Refusal, absolute, print_line, warn};
+use super::terminal::{Refusal, absolute};
 use crate::context::Context;
 use crate::experiment::budget::Budget;
 use crate::experiment::conditions::Progress;
 use crate::experiment::configuration::refused;
 use crate::experiment::journal::{JOURNAL, Journal, JournalError, Subject};
 use crate::experiment::runner::Runner;
+use crate::messages::Messages;
 use crate::scene_file::SceneFile;
 use gearbench_reports::RECORD;
 use gearbench_reports::measured::MeasuredCurve;
@@ -108,7 +109,7 @@ impl StudyFolder {
             context: context.clone(),
             journal: None,
             has_journal: false,
-            lock: Some(FolderLock::take(&path)?),
+            lock: Some(FolderLock::take(&context.messages, &path)?),
             path: path.clone(),
             made,
             source,
@@ -171,8 +172,8 @@ impl StudyFolder {
     /// Creates the runner of the pieces of the study. The first call hands the journal over to it.
     pub fn runner<'a>(&mut self, progress: Progress<'a>) -> Runner<'a> {
         match self.journal.take() {
-            Some(journal) => Runner::new(self.context.clone(), journal, progress).announcing(&|pieces| {
-                print_line(&format!(
+            Some(journal) => Runner::new(self.context.clone(), journal, progress).announcing(&|context, pieces| {
+                context.messages.print_line(&format!(
                     "continuing after {pieces} finished pieces of an interrupted study (--fresh repeats all)"
                 ));
             }),
@@ -185,7 +186,7 @@ impl StudyFolder {
     pub fn interrupted(&self) -> Refusal {
         let pieces = pieces(&self.path.join(JOURNAL));
         if pieces > 0 {
-            print_line(&format!(
+            self.context.messages.print_line(&format!(
                 "interrupted: {pieces} finished pieces are stored; the same command continues the study"
             ));
         }
@@ -201,7 +202,7 @@ impl StudyFolder {
         &self,
         mut results: Results,
         exit: impl FnOnce(&Results) -> Exit,
-        summarise: impl FnOnce(&Results),
+        summarise: impl FnOnce(&Messages, &Results),
     ) -> Result<CommandResult, Refusal> {
         let runs = &mut results.runs;
         let nothing_ran = !runs.is_empty() && runs.iter().all(|r| r.status == Status::Refused);
@@ -242,17 +243,23 @@ impl StudyFolder {
             .map_err(|e| Refusal::Files(e.to_string()))?;
         // They are in files of their own now, and as values of an answer they would take many times their memory.
         results.runs.iter_mut().for_each(|r| r.histories = None);
-        summarise(&results);
-        describe_mesh_modes(&results);
+        summarise(&self.context.messages, &results);
+        self.describe_mesh_modes(&results);
         for line in gearbench_reports::measured_lines(&results).unwrap_or_default() {
-            print_line(&line);
+            self.context.messages.print_line(&line);
         }
         if let Some((_, what)) = results.settings.last().filter(|_| stopped) {
-            print_line(&format!("interrupted: {what}"));
+            self.context
+                .messages
+                .print_line(&format!("interrupted: {what}"));
         }
         let [record, page] = [self.path.join(RECORD), page].map(absolute);
-        print_line(&format!("record: {}", record.display()));
-        print_line(&format!("report: {}", page.display()));
+        self.context
+            .messages
+            .print_line(&format!("record: {}", record.display()));
+        self.context
+            .messages
+            .print_line(&format!("report: {}", page.display()));
         self.close();
         let answer = (CommandResult::of(&results).with("record", &record)).with("report", &page);
         Ok(answer.ending(match (stopped, self.refused.is_empty()) {
@@ -261,6 +268,20 @@ impl StudyFolder {
             // Some of the requested models could not run.
             (false, false) => Exit::FailedRun,
         }))
+    }
+
+    /// Prints the damping of the mesh mode of each model, and a warning if models differ in it.
+    fn describe_mesh_modes(&self, results: &Results) {
+        for mode in &results.mesh_modes {
+            self.context.messages.print_line(&format!(
+                "mesh mode of {}: {}",
+                mode.label,
+                mode.to_text()
+            ));
+        }
+        if let Some(text) = damping_differs(&results.mesh_modes) {
+            self.context.messages.warn(&text);
+        }
     }
 
     /// Returns a refusal; after bad input it removes the journal, as nothing is worth continuing.
@@ -295,16 +316,6 @@ fn none_can_run(rows: &[Run]) -> Refusal {
         "none of the models can run: {}",
         reasons.join("; ")
     ))
-}
-
-/// Prints the damping of the mesh mode of each model, and a warning if models differ in it.
-fn describe_mesh_modes(results: &Results) {
-    for mode in &results.mesh_modes {
-        print_line(&format!("mesh mode of {}: {}", mode.label, mode.to_text()));
-    }
-    if let Some(text) = damping_differs(&results.mesh_modes) {
-        warn(&text);
-    }
 }
 
 impl Drop for StudyFolder {

@@ -24,7 +24,7 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Callback that receives the number of finished pieces that an interrupted start left in the journal.
-pub type ResumeCallback<'a> = &'a (dyn Fn(usize) + Sync);
+pub type ResumeCallback<'a> = &'a (dyn Fn(&Context, usize) + Sync);
 
 /// Number of pieces that were taken from the journal.
 #[derive(Debug, Default)]
@@ -86,7 +86,7 @@ impl<'a> Runner<'a> {
             kept: AtomicU64::new(0),
             budget: Budget::unlimited(),
             resumed: Mutex::default(),
-            announce: &|_| {},
+            announce: &|_, _| {},
         }
     }
 
@@ -105,7 +105,7 @@ impl<'a> Runner<'a> {
             if first { resumed.pieces } else { 0 }
         };
         if pieces > 0 {
-            (self.announce)(pieces);
+            (self.announce)(&self.context, pieces);
         }
     }
 
@@ -373,14 +373,14 @@ mod tests {
         );
         for pieces in [&["a", "b", "c", "d"] as &[&str], &["b", "a"]] {
             let announced = Mutex::new(Vec::new());
-            let announce = |n| lock(&announced).push(n);
+            let announce = |_: &Context, n| lock(&announced).push(n);
             make(
                 &Runner::new(Context::default(), open(), &silent).announcing(&announce),
                 pieces,
             );
             assert_eq!(*lock(&announced), [2]);
         }
-        let none = |_| panic!("nothing was taken up");
+        let none = |_: &Context, _| panic!("nothing was taken up");
         make(
             &Runner::new(Context::default(), open(), &silent).announcing(&none),
             &["e"],

@@ -6,7 +6,7 @@ use super::package::Package;
 use super::settings::SETTINGS;
 use crate::cli::command_result::CommandResult;
 use crate::cli::files::{ReplaceableFiles, write_whole};
-use crate::cli::terminal::{Refusal, absolute, print_line, refuse_run};
+use crate::cli::terminal::{Refusal, absolute, refuse_run};
 use crate::context::Context;
 use crate::experiment::run::RunError;
 use crate::fmu::coupled::Coupled;
@@ -47,8 +47,12 @@ pub fn run(context: &Context, args: &Fmu) -> Result<CommandResult, Refusal> {
     let archive = package.archive().map_err(fail)?;
     write_whole(&path, archive).map_err(fail)?;
     let path = absolute(path);
-    print_line(&format!("written: {}", path.display()));
-    print_line(&summary_line(&coupled.interface));
+    context
+        .messages
+        .print_line(&format!("written: {}", path.display()));
+    context
+        .messages
+        .print_line(&summary_line(&coupled.interface));
     Ok(CommandResult::done().with("written", path))
 }
 

@@ -4,7 +4,6 @@ use super::reading::suggest;
 use super::shipped::{self, SHIPPED};
 use super::{Calibration, Origin, SceneError, SceneFile};
 use crate::cli::progress::Display;
-use crate::cli::terminal::warn;
 use crate::context::Context;
 use gearbench_reference::file_kind::{self, Input};
 use gearbench_reference::files;
@@ -64,7 +63,9 @@ fn load_with(
     let labels: Vec<&str> = chosen.iter().map(|m| m.label.as_str()).collect();
     let is_chosen = |i: &usize| labels.contains(&file.models[*i].label.as_str());
     let chosen: Vec<usize> = (0..file.models.len()).filter(is_chosen).collect();
-    file.odd.iter().for_each(|odd| warn(&odd.to_text()));
+    file.odd
+        .iter()
+        .for_each(|odd| context.messages.warn(&odd.to_text()));
     file.build(&chosen, calibrated)?;
     Ok(file)
 }
@@ -88,9 +89,10 @@ impl SceneFile {
             display.report_progress(done, chosen.len(), &format!("building the model `{label}`"));
         })?;
         drop(display);
-        odd.iter().for_each(|odd| warn(&odd.to_text()));
+        odd.iter()
+            .for_each(|odd| self.context.messages.warn(&odd.to_text()));
         for refused in &self.refused[known..] {
-            warn(&format!(
+            self.context.messages.warn(&format!(
                 "the model `{}` is refused, the others run: {}",
                 refused.label,
                 refused.error.to_text()
@@ -120,7 +122,9 @@ pub fn load_uncalibrated(
 /// [`SceneError`] with file, line and help.
 pub fn load_unbuilt(context: &Context, path_or_name: &str) -> Result<SceneFile, SceneError> {
     let file = read(context, path_or_name, false)?;
-    file.odd.iter().for_each(|odd| warn(&odd.to_text()));
+    file.odd
+        .iter()
+        .for_each(|odd| context.messages.warn(&odd.to_text()));
     Ok(file)
 }
 

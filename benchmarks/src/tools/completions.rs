@@ -2,7 +2,7 @@
 
 use crate::cli::Cli;
 use crate::cli::command_result::CommandResult;
-use crate::cli::terminal::{Refusal, print_text};
+use crate::cli::terminal::Refusal;
 use crate::context::Context;
 use clap::{Args, CommandFactory};
 use clap_complete::Shell;
@@ -24,6 +24,8 @@ pub struct Completions {
 pub fn run(context: &Context, args: &Completions) -> Result<CommandResult, Refusal> {
     let mut script = Vec::new();
     clap_complete::generate(args.shell, &mut Cli::command(), "gearbench", &mut script);
-    print_text(String::from_utf8_lossy(&script).trim_end());
+    context
+        .messages
+        .print_text(String::from_utf8_lossy(&script).trim_end());
     Ok(CommandResult::done())
 }

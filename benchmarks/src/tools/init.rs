@@ -2,7 +2,7 @@
 
 use crate::cli::command_result::CommandResult;
 use crate::cli::files::{ReplaceableFiles, write_whole};
-use crate::cli::terminal::{Refusal, absolute, print_line};
+use crate::cli::terminal::{Refusal, absolute};
 use crate::context::Context;
 use crate::scene_file::{SHIPPED, SceneError, ShippedScene, did_you_mean};
 use clap::Args;
@@ -85,7 +85,7 @@ pub struct Init {
 /// Writes a scene to start from, or a folder of them.
 pub fn run(context: &Context, args: &Init) -> Result<CommandResult, Refusal> {
     if args.what == FOLDER {
-        return write_folder(args);
+        return write_folder(context, args);
     }
     let other = OTHERS.iter().find(|(name, ..)| *name == args.what);
     let (text, ending, next) = match other {
@@ -95,8 +95,12 @@ pub fn run(context: &Context, args: &Init) -> Result<CommandResult, Refusal> {
     let path = (args.out.clone()).unwrap_or_else(|| format!("{}.{ending}", args.what).into());
     write(&[(path.clone(), text.as_bytes())], args.force)?;
     let path = absolute(path);
-    print_line(&format!("written: {}", path.display()));
-    print_line(&next.replace("FILE", &path.display().to_string()));
+    context
+        .messages
+        .print_line(&format!("written: {}", path.display()));
+    context
+        .messages
+        .print_line(&next.replace("FILE", &path.display().to_string()));
     Ok(CommandResult::done().with("written", path))
 }
 
@@ -118,15 +122,17 @@ fn write(files: &[(PathBuf, &[u8])], force: bool) -> Result<(), Refusal> {
 }
 
 /// Writes the example with several files into a folder: all of them, or none if one exists.
-fn write_folder(args: &Init) -> Result<CommandResult, Refusal> {
+fn write_folder(context: &Context, args: &Init) -> Result<CommandResult, Refusal> {
     let folder = (args.out.clone()).unwrap_or_else(|| FOLDER.into());
     std::fs::create_dir_all(&folder)
         .map_err(|e| Refusal::Files(format!("{}: {e}", folder.display())))?;
     let files = FILES.map(|(name, bytes)| (folder.join(name), bytes));
     write(&files, args.force)?;
     let folder = absolute(folder);
-    print_line(&format!("written: {}", folder.display()));
-    print_line(&format!(
+    context
+        .messages
+        .print_line(&format!("written: {}", folder.display()));
+    context.messages.print_line(&format!(
         "change to this folder; the first lines of {} contain the commands",
         FILES[0].0
     ));

@@ -7,7 +7,8 @@ use super::report::check_record;
 use crate::cli::command_line::split;
 use crate::cli::command_result::CommandResult;
 use crate::cli::exit::Exit;
-use crate::cli::terminal::{Refusal, absolute, print_line, warn};
+use crate::cli::terminal::{Refusal, absolute};
+use crate::context::Context;
 use crate::experiment::machine;
 use crate::scene_file::source::changed;
 use clap::Args;
@@ -63,7 +64,7 @@ fn refuse(e: &ReportError) -> Refusal {
 ///
 /// # Errors [`Refusal`] for a record that cannot be made again: of a version that did not keep its scene, or with files
 /// that have changed.
-pub fn prepare(args: &Rerun) -> Result<RecordedCommand, Refusal> {
+pub fn prepare(context: &Context, args: &Rerun) -> Result<RecordedCommand, Refusal> {
     check_record(&args.record)?;
     let before = load_results(&args.record).map_err(|e| refuse(&e))?;
     let shown = args.record.display();
@@ -83,7 +84,7 @@ pub fn prepare(args: &Rerun) -> Result<RecordedCommand, Refusal> {
         )));
     }
     if before.header.commit != machine::commit() {
-        warn(&format!(
+        context.messages.warn(&format!(
             "the record was written at commit {}, this program was built at {}: results may differ",
             before.header.commit,
             machine::commit()
@@ -129,7 +130,11 @@ impl RecordedCommand {
     ///
     /// # Errors
     /// [`Refusal`] when the new record cannot be read.
-    pub fn compare(&self, answer: CommandResult) -> Result<CommandResult, Refusal> {
+    pub fn compare(
+        &self,
+        context: &Context,
+        answer: CommandResult,
+    ) -> Result<CommandResult, Refusal> {
         let after = load_results(&self.out).map_err(|e| refuse(&e))?;
         let (mut total, mut differences) = (0, Vec::new());
         let [old, new] =
@@ -138,17 +143,19 @@ impl RecordedCommand {
         let record = absolute(self.out.join(gearbench_reports::RECORD));
         let answer = (answer.with("compared", total)).with("differences", &differences);
         if differences.is_empty() {
-            print_line(&format!(
+            context.messages.print_line(&format!(
                 "the same: all {total} values of the record except times ({})",
                 record.display()
             ));
             return Ok(answer);
         }
-        print_line(&format!("{} of {total} values differ:", differences.len()));
+        context
+            .messages
+            .print_line(&format!("{} of {total} values differ:", differences.len()));
         differences
             .iter()
             .take(10)
-            .for_each(|d| print_line(&format!("  {d}")));
+            .for_each(|d| context.messages.print_line(&format!("  {d}")));
         Ok(answer.ending(Exit::FellShort))
     }
 }

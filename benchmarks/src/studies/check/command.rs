@@ -10,7 +10,7 @@ use crate::cli::arguments::Output;
 use crate::cli::command_result::CommandResult;
 use crate::cli::exit::Exit;
 use crate::cli::study_folder::StudyFolder;
-use crate::cli::terminal::{Refusal, absolute, print_line, refuse_run};
+use crate::cli::terminal::{Refusal, absolute, refuse_run};
 use crate::context::Context;
 use crate::experiment::machine;
 use crate::experiment::run::RunError;
@@ -63,7 +63,7 @@ pub fn run(context: &Context, args: &Check, command: &str) -> Result<CommandResu
         };
         let folder = StudyFolder::open(context, &output, &name, "check")?;
         let drawn = results(CheckRecord { history, ..record });
-        return folder.finish(drawn, |_| Exit::Done, |_| {});
+        return folder.finish(drawn, |_| Exit::Done, |_, _| {});
     }
     if baselines.newest().is_none() && !args.update {
         return Err(Refusal::Input(miette::miette!(
@@ -145,9 +145,13 @@ pub fn run(context: &Context, args: &Check, command: &str) -> Result<CommandResu
         true => Exit::Done,
         false => Exit::FellShort,
     };
-    let answer = folder.finish(results(record.clone()), |_| exit, |_| summarise(&record))?;
+    let answer = folder.finish(
+        results(record.clone()),
+        |_| exit,
+        |messages, _| summarise(messages, &record),
+    )?;
     if update {
-        print_line(&match &stored {
+        context.messages.print_line(&match &stored {
             Some(path) => format!("stored: {}", path.display()),
             None => "no value has moved: the baseline is unchanged".into(),
         });

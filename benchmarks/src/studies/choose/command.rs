@@ -15,7 +15,7 @@ use crate::cli::exit::Exit;
 use crate::cli::files::write_whole;
 use crate::cli::progress::Display;
 use crate::cli::study_folder::StudyFolder;
-use crate::cli::terminal::{Refusal, absolute, all_references_of, print_line, refuse_run, warn};
+use crate::cli::terminal::{Refusal, absolute, all_references_of, refuse_run};
 use crate::context::Context;
 use crate::experiment::conditions::silent;
 use crate::experiment::configuration::Configuration;
@@ -85,16 +85,19 @@ pub fn run(context: &Context, args: &Choose, command: &str) -> Result<CommandRes
     let answer = folder.finish(
         results,
         |_| exit,
-        |results| {
+        |messages, results| {
             if let Part::Choose(part) = &results.part {
-                summarise(&part.choice, &choice);
+                summarise(messages, &part.choice, &choice);
             }
-            (settings.iter()).for_each(|(what, found)| print_line(&format!("{what}: {found}")));
+            (settings.iter())
+                .for_each(|(what, found)| context.messages.print_line(&format!("{what}: {found}")));
         },
     )?;
     if choice.candidate.is_some() {
         let path = absolute(file);
-        print_line(&format!("scene:  {}", path.display()));
+        context
+            .messages
+            .print_line(&format!("scene:  {}", path.display()));
         Ok(answer.with("scene", path))
     } else {
         Ok(answer)
@@ -131,7 +134,7 @@ fn references_of_the_scene(scene: &mut SceneFile) -> Vec<LoadedReference> {
             all.into_iter().filter(own).collect()
         }
         Err(e) => {
-            warn(&format!(
+            scene.context.messages.warn(&format!(
                 "the yardstick is not compared with references: {e}"
             ));
             Vec::new()

@@ -6,7 +6,7 @@ use super::{FramePlan, Plan, compare};
 use crate::cli::command_result::CommandResult;
 use crate::cli::exit::Exit;
 use crate::cli::study_folder::StudyFolder;
-use crate::cli::terminal::{Refusal, absolute, print_line, references_of, refuse_run};
+use crate::cli::terminal::{Refusal, absolute, references_of, refuse_run};
 use crate::context::Context;
 use crate::experiment::conditions::Conditions;
 use crate::experiment::run::RunError;
@@ -61,10 +61,10 @@ pub fn run(context: &Context, args: &Compare, command: &str) -> Result<CommandRe
     folder.finish(
         made.map_err(|e| folder.refuse(refuse_run(e)))?,
         Exit::of_comparison,
-        |results| {
-            summarise(results);
+        |messages, results| {
+            summarise(messages, results);
             if let Some(frames) = frames.filter(|f| f.exists()) {
-                print_line(&format!(
+                messages.print_line(&format!(
                     "frames for ParaView: {}",
                     absolute(frames).display()
                 ));

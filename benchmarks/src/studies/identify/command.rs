@@ -13,7 +13,7 @@ use crate::cli::command_result::CommandResult;
 use crate::cli::exit::Exit;
 use crate::cli::progress::Display;
 use crate::cli::study_folder::StudyFolder;
-use crate::cli::terminal::{Refusal, absolute, print_line, refuse_study, warn};
+use crate::cli::terminal::{Refusal, absolute, refuse_study};
 use crate::context::Context;
 use crate::experiment::conditions::{Conditions, silent};
 use crate::experiment::configuration::Configuration;
@@ -93,7 +93,7 @@ pub fn run(context: &Context, args: &Identify, command: &str) -> Result<CommandR
             for history in made.map_err(|e| refuse_study(&scene, e.into()))? {
                 match history {
                     Ok(history) => histories.push(history),
-                    Err(why) => warn(&why),
+                    Err(why) => context.messages.warn(&why),
                 }
             }
         }
@@ -110,7 +110,7 @@ pub fn run(context: &Context, args: &Identify, command: &str) -> Result<CommandR
         if none {
             return Err(Refusal::Failed(why));
         }
-        warn(&format!(
+        context.messages.warn(&format!(
             "the model `{}` is not fitted, unlike the others: {why}",
             choice.label
         ));
@@ -128,7 +128,7 @@ pub fn run(context: &Context, args: &Identify, command: &str) -> Result<CommandR
     let answer = folder.finish(results, |_| Exit::Done, summarise)?;
     let answer = answer.with("reference", &names).with("models", told);
     if context.interruption.is_requested() {
-        print_line("no constants were written");
+        context.messages.print_line("no constants were written");
         return Ok(answer);
     }
     if let Some(to) = args.write {
@@ -143,10 +143,12 @@ pub fn run(context: &Context, args: &Identify, command: &str) -> Result<CommandR
             WriteTarget::Scene => write_scene(&scene, &into_scene(&found, args, command)),
         };
         let path = absolute(path?);
-        print_line(&format!("written: {}", path.display()));
+        context
+            .messages
+            .print_line(&format!("written: {}", path.display()));
         return Ok(answer.with("written", path));
     }
-    print_line(&format!(
+    context.messages.print_line(&format!(
         "no constants were written; `--write` stores the constants for `calibration = \"{}\"`, `--write=scene` in the scene file",
         args.to.as_str()
     ));
@@ -230,7 +232,7 @@ fn held_by_model(
     let held: Vec<Vec<(String, f64)>> = fitted.iter().map(of).collect();
     for (choice, held) in fitted.iter().zip(&held) {
         for (key, _) in args.hold.iter().filter(|h| !held.contains(h)) {
-            print_line(&format!(
+            scene.context.messages.print_line(&format!(
                 "--hold {key} does not apply to `{}`, which has no such parameter",
                 choice.label
             ));
@@ -314,7 +316,7 @@ fn refuse(scene: &SceneFile, choice: &ModelChoice, e: IdentifyError) -> Refusal 
 fn histories_of(scene: &mut SceneFile, args: &Identify) -> Result<Vec<LoadedReference>, Refusal> {
     let known = scene.odd.len();
     let mut references = scene.load_references(args.insist.any_reference)?;
-    (scene.odd[known..].iter()).for_each(|odd| warn(&odd.to_text()));
+    (scene.odd[known..].iter()).for_each(|odd| scene.context.messages.warn(&odd.to_text()));
     references.retain(|held| held.data.force().is_some());
     let fitted = || references.iter().filter(|held| !held.is_held_out());
     let names: Vec<&str> = fitted().map(name_of).collect();

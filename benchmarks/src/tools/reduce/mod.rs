@@ -9,7 +9,7 @@ use crate::cli::command_result::CommandResult;
 use crate::cli::files::ReplaceableFiles;
 use crate::cli::folder_lock::FolderLock;
 use crate::cli::progress::Display;
-use crate::cli::terminal::{Refusal, absolute, print_line};
+use crate::cli::terminal::{Refusal, absolute};
 use crate::context::Context;
 use crate::scene_file;
 use crate::tools::mesh::{chosen, inputs_of, is_deck, named};
@@ -80,24 +80,32 @@ pub fn run(context: &Context, args: &Arguments) -> Result<CommandResult, Refusal
     }
     let files = files(context, args, &jobs)?;
     let folder = args.out.as_deref().filter(|out| out.is_dir());
-    let _lock = folder.map(FolderLock::take).transpose()?;
+    let _lock = folder
+        .map(|f| FolderLock::take(&context.messages, f))
+        .transpose()?;
     let mut gears = Vec::new();
     for (i, (job, file)) in jobs.iter().zip(&files).enumerate() {
         display.report_progress(i, jobs.len(), &format!("reducing `{}`", job.name));
         let done = reduce(args, job)?;
-        display.suspend(|| report::print_report(job, &done));
+        display.suspend(|| report::print_report(&context.messages, job, &done));
         let mut gear = report::to_json(job, &done);
         if let Some(path) = file {
             let size = store::write(path, &done.basis, &done.meta)
                 .map_err(|e| Refusal::Files(e.to_string()))?;
-            display.suspend(|| print_line(&report::line("written", &report::file(path, size))));
+            display.suspend(|| {
+                context
+                    .messages
+                    .print_line(&report::line("written", &report::file(path, size)))
+            });
             gear["written"] = json!(absolute(path.clone()));
         }
         gears.push(gear);
     }
     drop(display);
     if args.out.is_none() {
-        print_line("no file was written; `--out F.npz` writes the reduction");
+        context
+            .messages
+            .print_line("no file was written; `--out F.npz` writes the reduction");
     }
     Ok(CommandResult::done().with("gears", gears))
 }

@@ -6,7 +6,7 @@ mod file;
 use crate::cli::command_result::CommandResult;
 use crate::cli::files::{ReplaceableFiles, folder_of, write_whole};
 use crate::cli::progress::Display;
-use crate::cli::terminal::{Refusal, absolute, print_line, refuse_run};
+use crate::cli::terminal::{Refusal, absolute, refuse_run};
 use crate::context::Context;
 use crate::experiment::conditions::Conditions;
 use crate::experiment::run::{Job, RunError, run as integrate};
@@ -121,12 +121,12 @@ pub fn run(context: &Context, args: &Reference, command: &str) -> Result<Command
         move |e: std::io::Error| Refusal::Files(format!("{path}: {e}"))
     };
     write_whole(&args.out, &text).map_err(fail(&args.out))?;
-    print_line(&format!(
+    context.messages.print_line(&format!(
         "{} under {}: {note}",
         choice.label,
         scheme_text(&method)
     ));
-    print_line(&format!(
+    context.messages.print_line(&format!(
         "written: {}",
         absolute(args.out.clone()).display()
     ));
@@ -140,12 +140,14 @@ pub fn run(context: &Context, args: &Reference, command: &str) -> Result<Command
             "transmission_error_l2": m.transmission_error_l2,
         })));
     if !args.add {
-        print_line("in the scene, or with --add:");
-        print_line(&lines);
+        context.messages.print_line("in the scene, or with --add:");
+        context.messages.print_line(&lines);
         return Ok(answer);
     }
     let path = add(&scene, &lines)?;
-    print_line(&format!("added to {}:\n{lines}", path.display()));
+    context
+        .messages
+        .print_line(&format!("added to {}:\n{lines}", path.display()));
     Ok(answer.with("added_to", absolute(path)))
 }
 
