@@ -6,6 +6,7 @@
 use crate::experiment::interruption::Interruption;
 use crate::messages::Messages;
 use gearbench_models::gear::table::Model;
+use gearbench_reference::resources::Resources;
 use gearbench_reports::record::Source;
 use std::sync::Arc;
 
@@ -20,6 +21,8 @@ pub struct Context {
     pub rerun: Option<Arc<Source>>,
     /// Output and warnings.
     pub messages: Messages,
+    /// Memory and cache, which the threads of its studies work [within](Resources::within).
+    pub resources: Resources,
 }
 
 impl Default for Context {
@@ -30,6 +33,7 @@ impl Default for Context {
             interruption: Interruption::default(),
             rerun: None,
             messages: Messages::default(),
+            resources: Resources::default(),
         }
     }
 }
@@ -44,3 +48,6 @@ impl Context {
         self
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -38,7 +38,7 @@ use gearbench::experiment::journal::{JOURNAL, Journal, Subject};
 use gearbench::experiment::machine;
 use gearbench::experiment::runner::Runner;
 use gearbench::messages::Messages;
-use gearbench_reference::reduction::cache::{self, Cache};
+use gearbench_reference::reduction::cache::Cache;
 use gearbench_reports::Study;
 use gearbench_reports::choice_check::{CheckRecord, Outcome, ValidatedChoice, share};
 use gearbench_reports::record::{Part, Results};
@@ -56,10 +56,10 @@ const COVERAGE: [f64; 2] = [0.90, 0.99];
 
 fn main() -> ExitCode {
     machine::set_commit(machine::commit_of_checkout());
-    cache::choose(Cache::standard());
-    let context = Context::default();
+    let mut context = Context::default();
+    context.resources.cache = Arc::new(Cache::standard());
     let told = terminal::command_line("gearbench-validation");
-    let done = match Cli::parse().command {
+    let done = (context.resources).within(|| match Cli::parse().command {
         Command::Sample { scene } => print(&context, &scene.0, scene.1),
         Command::Run(args) => validate(&context, &args, &told),
         Command::Reduction(args) => reduce(&context, &args),
@@ -67,8 +67,8 @@ fn main() -> ExitCode {
         Command::Agreement(args) => agree(&context, &args),
         Command::Identification(args) => carry(&context, &args, &told),
         Command::Figures(args) => quote(&context, &args),
-    };
-    terminal::end(&context.messages, &told, done)
+    });
+    terminal::end(&context, &told, done)
 }
 
 /// Runs both commands on each scene in turn, and writes the table after each.

@@ -34,7 +34,7 @@ use clap::error::ErrorKind;
 use clap::{ArgMatches, CommandFactory, FromArgMatches, Parser, Subcommand};
 use command_result::CommandResult;
 use exit::Exit;
-use gearbench_reference::limits;
+use gearbench_reference::limits::Memory;
 use help::Help;
 use std::ffi::OsString;
 use std::process::ExitCode;
@@ -160,9 +160,8 @@ impl Command {
     }
 }
 
-/// Parses the command line, runs the command and returns its exit code.
-pub fn main() -> ExitCode {
-    let context = Context::default();
+/// Parses the command line, runs the command in a context and returns its exit code.
+pub fn main(context: Context) -> ExitCode {
     if let Err(e) = context.interruption.catch_signals() {
         context
             .messages
@@ -217,13 +216,13 @@ pub fn run(mut context: Context, cli: Cli) -> ExitCode {
         _ => OutputForm::Lines,
     };
     // Before anything is read or built: estimates are compared with it from the first file on.
-    limits::set_memory(cli.memory * 1e9);
+    context.resources.memory = Memory::of(cli.memory * 1e9);
     let told = terminal::command_line("gearbench");
-    let done = match cli.command {
+    let done = (context.resources).within(|| match cli.command {
         None => StudyCommand::default().run(&context, "gearbench"),
         Some(command) => command.run(&context, &told),
-    };
-    terminal::end(&context.messages, &told, done)
+    });
+    terminal::end(&context, &told, done)
 }
 
 /// Repeats a study from its record. As a record is external input, its command has to be the study of the record, and
@@ -274,7 +273,7 @@ fn refuse(mut context: Context, e: &clap::Error) -> ExitCode {
         context
             .messages
             .print_text(e.render().to_string().trim_end());
-        return terminal::end(&context.messages, "", Ok(CommandResult::done()));
+        return terminal::end(&context, "", Ok(CommandResult::done()));
     }
     if std::env::args_os().any(|a| a == "--json") {
         context.messages.form = OutputForm::Json;
@@ -286,7 +285,7 @@ fn refuse(mut context: Context, e: &clap::Error) -> ExitCode {
     let help: Vec<&str> = parts.collect();
     let report = miette::miette!(help = help.join("\n"), "{message}");
     terminal::end(
-        &context.messages,
+        &context,
         &terminal::command_line("gearbench"),
         Err(Refusal::Input(report)),
     )

@@ -5,6 +5,7 @@ pub use super::command_line::command_line;
 use super::command_result::{self, CommandResult};
 use super::exit::Exit;
 pub use super::refusal::{Refusal, refuse_run, refuse_study};
+use crate::context::Context;
 use crate::messages::{Messages, OutputForm, print_error, put_error};
 use crate::scene_file::SceneFile;
 use crate::scene_file::references::LoadedReference;
@@ -27,8 +28,9 @@ fn output_is_closed() -> bool {
 }
 
 /// Reports the result of a command and returns its exit code.
-pub fn end(messages: &Messages, command: &str, result: Result<CommandResult, Refusal>) -> ExitCode {
-    if let Some(why) = gearbench_reference::reduction::cache::trouble() {
+pub fn end(context: &Context, command: &str, result: Result<CommandResult, Refusal>) -> ExitCode {
+    let messages = &context.messages;
+    if let Some(why) = context.resources.cache.trouble() {
         messages.warn(&format!(
             "reductions cannot be stored in the cache: {why}; set GEARBENCH_CACHE to another folder, or to `off`"
         ));

@@ -11,7 +11,6 @@ use super::key::Key;
 use super::parallel::lock;
 use crate::context::Context;
 use gearbench_integrators::Scheme;
-use gearbench_reference::limits;
 use gearbench_reports::force::ForceHistory;
 use gearbench_reports::record::{Run, Status};
 use gearbench_reports::series::TimeSeries;
@@ -49,7 +48,8 @@ pub struct Runner<'a> {
 impl Drop for Runner<'_> {
     fn drop(&mut self) {
         self.announce();
-        limits::release(*self.kept.get_mut());
+        let kept = *self.kept.get_mut();
+        self.context.resources.memory.release(kept);
     }
 }
 
@@ -134,7 +134,7 @@ impl<'a> Runner<'a> {
     /// Subtracts the memory of a row that the study keeps from the memory for further runs.
     pub fn reserve_memory(&self, row: &Run) {
         let bytes = 8 * numbers_of(row) as u64;
-        limits::reserve(bytes);
+        self.context.resources.memory.reserve(bytes);
         self.kept.fetch_add(bytes, Ordering::Relaxed);
     }
 

@@ -9,7 +9,7 @@ use gearbench_integrators::table::FREE_FLIGHT;
 use gearbench_integrators::{METHODS, Method, Stepping};
 use gearbench_models::gear::table::Model;
 use gearbench_reference::hash::Hash;
-use gearbench_reference::reduction::cache::{self, Cache, LIMIT};
+use gearbench_reference::reduction::cache::{Cache, LIMIT};
 use gearbench_reference::{REFERENCES, StoredReference};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
@@ -47,12 +47,12 @@ pub struct List {
 
 /// Prints the tables of scenes, models, integrators, references and caches.
 pub fn run(context: &Context, args: &List) -> Result<CommandResult, Refusal> {
-    let cached = CacheFiles::of(cache::in_use());
+    let cached = CacheFiles::of(&context.resources.cache);
     let removed = match args.clear_cache {
         true => cached.remove()?,
         false => 0,
     };
-    let cached = CacheFiles::of(cache::in_use());
+    let cached = CacheFiles::of(&context.resources.cache);
     let scenes = (SHIPPED.iter())
         .map(|s| scene_file::load_unbuilt(context, s.name))
         .collect::<Result<Vec<_>, _>>()?;

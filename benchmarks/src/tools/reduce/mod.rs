@@ -27,8 +27,7 @@ use gearbench_reference::recognise::{RecognisedBody, SpecifiedBody};
 use gearbench_reference::reduction::choose::{self, Choice, Criterion};
 use gearbench_reference::reduction::store::{self, Meta, Motion};
 use gearbench_reference::reduction::{
-    Basis, ElasticParameters, ModeSelection, Mounting, ReductionError, Request, Toothing, cache,
-    of_gear,
+    Basis, ElasticParameters, ModeSelection, Mounting, ReductionError, Request, Toothing, of_gear,
 };
 use mounting::mounted;
 use serde_json::json;
@@ -86,7 +85,7 @@ pub fn run(context: &Context, args: &Arguments) -> Result<CommandResult, Refusal
     let mut gears = Vec::new();
     for (i, (job, file)) in jobs.iter().zip(&files).enumerate() {
         display.report_progress(i, jobs.len(), &format!("reducing `{}`", job.name));
-        let done = reduce(args, job)?;
+        let done = reduce(context, args, job)?;
         display.suspend(|| report::print_report(&context.messages, job, &done));
         let mut gear = report::to_json(job, &done);
         if let Some(path) = file {
@@ -357,7 +356,7 @@ fn files(
     Ok(files.into_iter().map(Some).collect())
 }
 
-fn reduce(args: &Arguments, job: &Job) -> Result<ReducedGear, Refusal> {
+fn reduce(context: &Context, args: &Arguments, job: &Job) -> Result<ReducedGear, Refusal> {
     let most = args.modes.map(|n| n as usize);
     let by = match args.choose.as_str() {
         "flank-compliance" => Criterion::FlankCompliance,
@@ -381,7 +380,10 @@ fn reduce(args: &Arguments, job: &Job) -> Result<ReducedGear, Refusal> {
         wanted,
     };
     let start = Instant::now();
-    let found = cache::in_use().basis(&request, &job.source, || request.compute());
+    let found = context
+        .resources
+        .cache
+        .basis(&request, &job.source, || request.compute());
     let found = found.map_err(|e| match e {
         ReductionError::Modes(_) => Refusal::Failed(format!("{}: {e}", job.source)),
         e => Refusal::Input(miette::miette!("{}: {e}", job.source)),
