@@ -4,7 +4,6 @@ use super::contact_log::ContactLog;
 pub use super::error::RunError;
 use super::flanks::{deformed_sections, flank_loads};
 use super::history::History;
-use super::interruption;
 use super::key::Key;
 use super::machine::cpu_time;
 use super::monitored_observer::MonitoredObserver;
@@ -15,13 +14,13 @@ use super::record::{
     histories, ledger_record, momenta, reduction, sampled_impulse, snapshot, time_series,
 };
 use super::status::RunMonitor;
+use crate::context::Context;
 use crate::experiment::small_signals::assemble;
 use gearbench_integrators::modal::resonance::{resonances, safe_step};
 use gearbench_integrators::system::{SecondOrderSystem, State};
 use gearbench_integrators::{
     Integrator, NullSink, Resolution, Scheme, Sink, StepError, TimePlan, Work, integration_time,
 };
-use gearbench_models::gear::table::Model;
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{Modelling, SceneSpec};
 use gearbench_reference::limits;
@@ -50,8 +49,8 @@ pub struct Job<'a> {
     pub scene: &'a SceneSpec,
     /// Models of gears and contacts.
     pub modelling: &'a Modelling,
-    /// The table of gear models.
-    pub models: &'a [Model],
+    /// The context of the scene.
+    pub context: &'a Context,
     /// Integration method with its step or tolerance.
     pub method: &'a Scheme,
     /// End of the simulated time [s].
@@ -100,7 +99,7 @@ impl Job<'_> {
             events: self.events,
             max_steps: self.max_steps,
             time_limit: (self.timeout < NO_BOUND).then_some(self.timeout),
-            cancel: Some(interruption::flag()),
+            cancel: Some(self.context.interruption.flag()),
         }
     }
 }
@@ -172,7 +171,7 @@ pub fn run(job: &Job<'_>) -> Result<Run, RunError> {
 /// microseconds is too noisy.
 pub fn run_timed(job: &Job<'_>, together: Duration) -> Result<Run, RunError> {
     let started = Instant::now();
-    let mut scene = assemble(job.scene, job.modelling, job.models)?;
+    let mut scene = assemble(job.scene, job.modelling, &job.context.models)?;
     let setup = started.elapsed();
     timed_in(job, &mut scene, setup, together)
 }
@@ -234,7 +233,7 @@ fn timed_from(
         limits::check(what, dense_bytes(n), way_out)?;
     }
     check_histories(job, scene)?;
-    if interruption::requested() {
+    if job.context.interruption.is_requested() {
         return Err(RunError::Interrupted);
     }
 
@@ -315,7 +314,7 @@ fn timed_from(
         times.push(begin.read(Duration::ZERO));
     }
     // A repeat that was cut short is no time.
-    if interruption::requested() {
+    if job.context.interruption.is_requested() {
         return Err(RunError::Interrupted);
     }
     let repeats = times.len() as u32;
@@ -396,6 +395,7 @@ pub fn bare<'j>(job: &'j Job<'_>, scene: &'j mut Scene) -> impl FnMut() + 'j {
 
 /// Integrates without timing and status, and returns the force at the sampling times, for fits [N].
 pub fn force_on_grid(
+    context: &Context,
     scene: &mut Scene,
     method: &mut dyn Integrator,
     resolution: Resolution,
@@ -407,7 +407,7 @@ pub fn force_on_grid(
     let end = grid.last().copied().unwrap_or(0.0);
     let plan = TimePlan {
         max_steps,
-        cancel: Some(interruption::flag()),
+        cancel: Some(context.interruption.flag()),
         ..TimePlan::new(end, resolution)
     };
     let sink: &mut dyn Sink = &mut history;

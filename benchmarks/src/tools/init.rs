@@ -2,7 +2,8 @@
 
 use crate::cli::command_result::CommandResult;
 use crate::cli::files::{ReplaceableFiles, write_whole};
-use crate::cli::terminal::{Refusal, absolute, print_line};
+use crate::cli::terminal::{Refusal, absolute};
+use crate::context::Context;
 use crate::scene_file::{SHIPPED, SceneError, ShippedScene, did_you_mean};
 use clap::Args;
 use std::path::PathBuf;
@@ -103,9 +104,9 @@ pub struct Init {
 }
 
 /// Writes a scene to start from, or a folder of them.
-pub fn run(args: &Init) -> Result<CommandResult, Refusal> {
+pub fn run(context: &Context, args: &Init) -> Result<CommandResult, Refusal> {
     if let Some(folder) = FOLDERS.iter().find(|(name, _)| *name == args.what) {
-        return write_folder(args, folder);
+        return write_folder(context, args, folder);
     }
     let other = OTHERS.iter().find(|(name, ..)| *name == args.what);
     let (text, ending, next) = match other {
@@ -115,8 +116,12 @@ pub fn run(args: &Init) -> Result<CommandResult, Refusal> {
     let path = (args.out.clone()).unwrap_or_else(|| format!("{}.{ending}", args.what).into());
     write(&[(path.clone(), text.as_bytes())], args.force)?;
     let path = absolute(path);
-    print_line(&format!("written: {}", path.display()));
-    print_line(&next.replace("FILE", &path.display().to_string()));
+    context
+        .messages
+        .print_line(&format!("written: {}", path.display()));
+    context
+        .messages
+        .print_line(&next.replace("FILE", &path.display().to_string()));
     Ok(CommandResult::done().with("written", path))
 }
 
@@ -138,7 +143,11 @@ fn write(files: &[(PathBuf, &[u8])], force: bool) -> Result<(), Refusal> {
 }
 
 /// Writes several files into a folder: all of them, or none if one exists.
-fn write_folder(args: &Init, (name, files): &FolderTemplate) -> Result<CommandResult, Refusal> {
+fn write_folder(
+    context: &Context,
+    args: &Init,
+    (name, files): &FolderTemplate,
+) -> Result<CommandResult, Refusal> {
     let folder = (args.out.clone()).unwrap_or_else(|| name.into());
     let of_folder = |(name, bytes): &(&str, &'static [u8])| (folder.join(name), *bytes);
     let whole: Vec<(PathBuf, &[u8])> = files.iter().map(of_folder).collect();
@@ -148,8 +157,10 @@ fn write_folder(args: &Init, (name, files): &FolderTemplate) -> Result<CommandRe
     }
     write(&whole, args.force)?;
     let folder = absolute(folder);
-    print_line(&format!("written: {}", folder.display()));
-    print_line(&format!(
+    context
+        .messages
+        .print_line(&format!("written: {}", folder.display()));
+    context.messages.print_line(&format!(
         "change to this folder; the first lines of {} contain the commands",
         files[0].0
     ));
@@ -218,11 +229,14 @@ mod tests {
             assert!(text.contains(&own), "{name}");
             let text = text.replacen(&own, "name = \"mine\"", 1);
             let origin = Origin::File("nowhere/mine.toml".into());
-            let scene = SceneFile::unbuilt("mine.toml", &text, origin, true);
+            let scene = SceneFile::unbuilt(&Context::default(), "mine.toml", &text, origin, true);
             let scene = scene.unwrap_or_else(|e| panic!("{name}: {}", e.to_text()));
             assert!(scene.odd.is_empty(), "{name}: {:?}", scene.odd);
-            let Ok(shipped) = crate::scene_file::load_for(name, crate::scene_file::Selection::None)
-            else {
+            let Ok(shipped) = crate::scene_file::load_for(
+                &Context::default(),
+                name,
+                crate::scene_file::Selection::None,
+            ) else {
                 continue;
             };
             for (a, b) in scene.models.iter().zip(&shipped.models) {

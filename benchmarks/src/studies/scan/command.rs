@@ -12,9 +12,9 @@ use crate::cli::command_result::CommandResult;
 use crate::cli::exit::Exit;
 use crate::cli::study_folder::StudyFolder;
 use crate::cli::terminal::{Refusal, refuse_run};
+use crate::context::Context;
 use crate::experiment::conditions::Conditions;
 use crate::experiment::configuration::Configuration;
-use crate::experiment::interruption;
 use crate::experiment::key::Key;
 use crate::experiment::machine;
 use crate::experiment::run::RunError;
@@ -33,12 +33,12 @@ impl From<TableError> for Refusal {
 }
 
 /// Runs the scan, or a part of it, and writes its folder.
-pub fn run(args: &Scan, command: &str) -> Result<CommandResult, Refusal> {
+pub fn run(context: &Context, args: &Scan, command: &str) -> Result<CommandResult, Refusal> {
     let wanted = args.models.as_ref().map(|models| match &args.against {
         Some(label) => format!("{models},{label}"),
         None => models.clone(),
     });
-    let scene = scene_file::load_for(&args.scene, Selection::Labels(wanted.as_deref()))?;
+    let scene = scene_file::load_for(context, &args.scene, Selection::Labels(wanted.as_deref()))?;
     let plan = plan(&scene, args, command)?;
     check_first(&plan)?;
     let mut folder = StudyFolder::of(&args.run.output, &scene, Study::Scan.as_str())?;
@@ -48,7 +48,7 @@ pub fn run(args: &Scan, command: &str) -> Result<CommandResult, Refusal> {
     let total = cells.end - cells.start;
     let made = folder.run(total as usize, |runner| study(&plan, runner, threads));
     let finished = made.map_err(Refusal::from)?;
-    if interruption::requested() || finished.len() < total {
+    if context.interruption.is_requested() || finished.len() < total {
         return Err(folder.interrupted());
     }
     write_tables(&plan, folder.path(), finished)?;

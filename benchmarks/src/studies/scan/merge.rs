@@ -7,6 +7,7 @@ use super::table::{TableWriter, header};
 use crate::cli::command_result::CommandResult;
 use crate::cli::study_folder::StudyFolder;
 use crate::cli::terminal::Refusal;
+use crate::context::Context;
 use gearbench_reports::record::{Part, Results};
 use gearbench_reports::scan::{ScanRecord, Shard};
 use gearbench_reports::{Study, load_results};
@@ -22,7 +23,7 @@ struct PartOfScan {
 const MOST_LISTED: usize = 12;
 
 /// Joins parts and writes the folder of the whole scan.
-pub fn run(args: &Merge) -> Result<CommandResult, Refusal> {
+pub fn run(context: &Context, args: &Merge) -> Result<CommandResult, Refusal> {
     let (mut results, parts) = read(&args.parts)?;
     let scan = results.scan().cloned().unwrap_or_default();
     let whole = whole_command(&results.header.command)?;
@@ -34,7 +35,8 @@ pub fn run(args: &Merge) -> Result<CommandResult, Refusal> {
         )
     })?;
     results.header.command = whole.0;
-    let folder = StudyFolder::joining(&args.output, &results.header, Study::Scan.as_str())?;
+    let folder =
+        StudyFolder::joining(context, &args.output, &results.header, Study::Scan.as_str())?;
     if let Some(own) = parts.iter().find(|p| same(&p.folder, folder.path())) {
         return Err(refuse(
             &own.folder,

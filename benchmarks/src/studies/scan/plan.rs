@@ -18,7 +18,7 @@ use toml_edit::DocumentMut;
 /// Plan of a scan.
 pub struct Plan<'a> {
     /// Conditions of the scene as its file states it; cells may change them.
-    pub conditions: Conditions<'a>,
+    pub conditions: Conditions,
     /// The scene whose keys are varied.
     pub scene: &'a SceneFile,
     /// Its text as a document.

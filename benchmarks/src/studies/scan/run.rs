@@ -8,12 +8,11 @@ use super::plan::Plan;
 use super::table::{CellRun, TableError, TableWriter, header};
 use crate::experiment::conditions::{Conditions, even};
 use crate::experiment::configuration::Configuration;
-use crate::experiment::interruption;
 use crate::experiment::journal::JournalError;
 use crate::experiment::key::Key;
 use crate::experiment::parallel::{in_parallel, lock};
 use crate::experiment::run::{Job, RunError, run};
-use crate::experiment::runner::{Runner, WorkError, attempt};
+use crate::experiment::runner::{Runner, WorkError};
 use crate::scene_file::{SceneError, SceneFile};
 use gearbench_integrators::Scheme;
 use gearbench_reports::metrics::compare;
@@ -77,7 +76,7 @@ pub fn study(
             let piece = match known.filter(|known| !known.is_empty()) {
                 Some(known) => known,
                 None => {
-                    let made = piece(plan, next..lane.end);
+                    let made = piece(plan, runner, next..lane.end);
                     if made.is_empty() {
                         break;
                     }
@@ -95,11 +94,11 @@ pub fn study(
 }
 
 /// Runs cells one after the other for a part of a second, at least one; none after an interruption.
-fn piece(plan: &Plan<'_>, cells: Range<u64>) -> Vec<Vec<CellRun>> {
+fn piece(plan: &Plan<'_>, runner: &Runner<'_>, cells: Range<u64>) -> Vec<Vec<CellRun>> {
     let begin = Instant::now();
     let mut made = Vec::new();
     for cell in cells {
-        match runs(plan, cell) {
+        match runs(plan, runner, cell) {
             Some(runs) => made.push(runs),
             None => break,
         }
@@ -111,14 +110,14 @@ fn piece(plan: &Plan<'_>, cells: Range<u64>) -> Vec<Vec<CellRun>> {
 }
 
 /// Runs all models in the scene of a cell; `None` after an interruption.
-fn runs(plan: &Plan<'_>, cell: u64) -> Option<Vec<CellRun>> {
+fn runs(plan: &Plan<'_>, runner: &Runner<'_>, cell: u64) -> Option<Vec<CellRun>> {
     let refused = |e: &SceneError| CellRun {
         status: Status::Refused,
         outputs: vec![None; plan.outputs.len()],
         message: e.to_text(),
         cpu_s: 0.0,
     };
-    let scene = match attempt(|| plan.scene_of(cell)) {
+    let scene = match runner.attempt(|| plan.scene_of(cell)) {
         Ok(scene) => scene,
         Err(WorkError::Interrupted) => return None,
         Err(WorkError::Error(e)) => return Some(vec![refused(&e); plan.runs.len()]),
@@ -136,7 +135,7 @@ fn runs(plan: &Plan<'_>, cell: u64) -> Option<Vec<CellRun>> {
             true => yardstick.as_ref(),
             false => Some(&none),
         };
-        let (result, series) = one(plan, &scene, (label, method), target)?;
+        let (result, series) = one((plan, runner), &scene, (label, method), target)?;
         if is_yardstick {
             yardstick = series;
         }
@@ -147,7 +146,7 @@ fn runs(plan: &Plan<'_>, cell: u64) -> Option<Vec<CellRun>> {
 
 /// Runs a model in a scene; returns the history of a run that reached its end. `None` after an interruption.
 fn one(
-    plan: &Plan<'_>,
+    (plan, runner): (&Plan<'_>, &Runner<'_>),
     scene: &SceneFile,
     (label, method): (&str, &Scheme),
     target: Option<&TimeSeries>,
@@ -178,7 +177,7 @@ fn one(
         paths: plan.outputs.contains(&super::output::Output::Efficiency),
         ..conditions.job((&entry.scene, &entry.modelling), method, &grid)
     };
-    let mut row: Run = match attempt(|| run(&job)) {
+    let mut row: Run = match runner.attempt(|| run(&job)) {
         Ok(row) => row,
         Err(WorkError::Interrupted | WorkError::Error(RunError::Interrupted)) => return None,
         Err(WorkError::Error(RunError::Build(e))) => {
@@ -188,7 +187,7 @@ fn one(
         Err(WorkError::Panic(why)) => return failed(Status::Aborted, why),
     };
     // An interruption ends a run early.
-    if interruption::requested() {
+    if runner.is_interrupted() {
         return None;
     }
     row.end_s = Some(job.t_end);

@@ -1,6 +1,6 @@
 //! Terminal summary of a scan: its finding and the first failures.
 
-use crate::cli::terminal::print_line;
+use crate::messages::Messages;
 use gearbench_reports::finding;
 use gearbench_reports::record::Results;
 
@@ -8,14 +8,14 @@ use gearbench_reports::record::Results;
 const MOST_FAILURES: usize = 5;
 
 /// Prints the finding, and the kinds of failures with the first cell of each.
-pub fn summarise(results: &Results) {
+pub fn summarise(messages: &Messages, results: &Results) {
     for line in finding(results).unwrap_or_default() {
-        print_line(&line);
+        messages.print_line(&line);
     }
     let Some(scan) = results.scan() else { return };
     for f in scan.failures.iter().take(MOST_FAILURES) {
         let c = &scan.configurations[f.configuration];
-        print_line(&format!(
+        messages.print_line(&format!(
             "{} of {}, {}: {}, first in cell {}: {}",
             f.count, c.label, c.integrator, f.status, f.first_cell, f.message
         ));
