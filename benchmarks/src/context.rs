@@ -1,7 +1,9 @@
 //! What a command or a study has of its own.
 //!
 //! A program makes a context and hands it on, to the loading of scenes first: a scene keeps its context, and the
-//! conditions of its studies have it from there. Two studies with contexts of their own do not know of each other.
+//! conditions of its studies have it from there. The thread that loads the scenes and runs the studies works
+//! [within](Resources::within) the resources of the context. Two studies with contexts of their own do not know of each
+//! other.
 
 use crate::experiment::interruption::Interruption;
 use crate::messages::Messages;
@@ -21,7 +23,7 @@ pub struct Context {
     pub rerun: Option<Arc<Source>>,
     /// Output and warnings.
     pub messages: Messages,
-    /// Memory and cache, which the threads of its studies work [within](Resources::within).
+    /// Memory and cache.
     pub resources: Resources,
 }
 

@@ -2,7 +2,7 @@
 //!
 //! | module | owns |
 //! |---|---|
-//! | [`context`] | what a command or a study has of its own: models, interruption, scene of a rerun, messages |
+//! | [`context`] | what a command or a study has of its own: models, interruption, scene of a rerun, messages, memory |
 //! | [`messages`] | standard output and standard error, warnings |
 //! | [`models`] | the table of gear models |
 //! | [`scene_file`] | the scene format, embedded scenes, calibrations |

@@ -200,11 +200,14 @@ impl StudyFolder {
     /// Creates the runner of the pieces of the study. The first call hands the journal over to it.
     pub fn runner<'a>(&mut self, progress: Progress<'a>) -> Runner<'a> {
         match self.journal.take() {
-            Some(journal) => Runner::new(self.context.clone(), journal, progress).announcing(&|context, pieces| {
-                context.messages.print_line(&format!(
-                    "continuing after {pieces} finished pieces of an interrupted study (--fresh repeats all)"
-                ));
-            }),
+            Some(journal) => {
+                let runner = Runner::new(self.context.clone(), journal, progress);
+                runner.announcing(&|context, pieces| {
+                    context.messages.print_line(&format!(
+                        "continuing after {pieces} finished pieces of an interrupted study (--fresh repeats all)"
+                    ));
+                })
+            }
             None => Runner::of(self.context.clone()),
         }
     }

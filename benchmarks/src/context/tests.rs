@@ -81,10 +81,12 @@ fn two_studies_in_one_process_do_not_know_of_each_other() {
     let (tell_begun, begun) = channel();
     let (tell_interrupted, interrupted) = channel();
     let [begun, interrupted] = [begun, interrupted].map(Mutex::new);
+    // What a thread sends with ends with it: the other does not wait for a thread that has failed.
     let one = || {
-        // After its first run, when the other is in its first.
+        let tell_interrupted = tell_interrupted;
+        // After its first run, when the other is at its first.
         let progress = |done, _, _: &str| {
-            if done == 1 {
+            if done == 1 && !narrow.interruption.is_requested() {
                 lock(&begun).recv().unwrap();
                 narrow.interruption.request();
                 tell_interrupted.send(()).unwrap();
@@ -94,8 +96,9 @@ fn two_studies_in_one_process_do_not_know_of_each_other() {
         (found, builds(&narrow))
     };
     let other = || {
+        let tell_begun = tell_begun;
         let progress = |done, _, _: &str| {
-            if done == 0 {
+            if done == 0 && !narrow.interruption.is_requested() {
                 tell_begun.send(()).unwrap();
                 lock(&interrupted).recv().unwrap();
             }

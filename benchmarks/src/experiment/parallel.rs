@@ -39,7 +39,8 @@ pub fn in_parallel<T: Sync, E: Send>(
 
 #[cfg(test)]
 mod tests {
-    use super::in_parallel;
+    use super::*;
+    use gearbench_reference::limits::Memory;
     use std::sync::atomic::{AtomicUsize, Ordering};
 
     #[test]
@@ -60,5 +61,20 @@ mod tests {
         });
         assert_eq!((failed, count.into_inner()), (Err(7), 7));
         assert_eq!(in_parallel(4, &[] as &[u8], |_| Err(())), Ok(()));
+    }
+
+    #[test]
+    fn its_threads_have_the_resources_of_the_study() {
+        let small = Resources {
+            memory: Memory::of(1.0),
+            ..Resources::default()
+        };
+        let limits = Mutex::new(Vec::new());
+        let work = |_: &u8| {
+            lock(&limits).push(Resources::own().memory.limit());
+            Ok::<_, ()>(())
+        };
+        small.within(|| in_parallel(2, &[0; 4], work)).unwrap();
+        assert_eq!(*lock(&limits), [1.0; 4]);
     }
 }

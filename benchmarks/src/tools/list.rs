@@ -3,6 +3,7 @@
 use crate::cli::command_result::CommandResult;
 use crate::cli::terminal::Refusal;
 use crate::context::Context;
+use crate::messages::Messages;
 use crate::scene_file::{self, SHIPPED, SceneFile};
 use clap::{Args, ValueEnum};
 use gearbench_integrators::table::FREE_FLIGHT;
@@ -47,6 +48,7 @@ pub struct List {
 
 /// Prints the tables of scenes, models, integrators, references and caches.
 pub fn run(context: &Context, args: &List) -> Result<CommandResult, Refusal> {
+    let messages = &context.messages;
     let cached = CacheFiles::of(&context.resources.cache);
     let removed = match args.clear_cache {
         true => cached.remove()?,
@@ -60,35 +62,34 @@ pub fn run(context: &Context, args: &List) -> Result<CommandResult, Refusal> {
     let listed = |section: Section| args.section.is_none() || in_full(section);
     let mut answer = CommandResult::done();
     if listed(Section::Scenes) {
-        print_scenes(context, &scenes, in_full(Section::Scenes));
+        print_scenes(messages, &scenes, in_full(Section::Scenes));
         answer = answer.with("scenes", scenes.iter().map(scene).collect::<Vec<_>>());
     }
     if listed(Section::Models) {
-        print_models(context, in_full(Section::Models));
+        print_models(messages, &context.models, in_full(Section::Models));
         answer = answer.with(
             "models",
             context.models.iter().map(model).collect::<Vec<_>>(),
         );
     }
     if listed(Section::Integrators) {
-        print_integrators(context, in_full(Section::Integrators));
+        print_integrators(messages, in_full(Section::Integrators));
         answer = answer.with(
             "integrators",
             METHODS.iter().map(method).collect::<Vec<_>>(),
         );
     }
     if listed(Section::References) {
-        print_references(context);
+        print_references(messages);
         answer = answer.with(
             "references",
             REFERENCES.iter().map(reference).collect::<Vec<_>>(),
         );
     }
     if args.section.is_none() {
-        cached.print(context, removed);
+        cached.print(messages, removed);
         answer = answer.with("cache", cached.to_json());
-        context
-            .messages
+        messages
             .print_line("\n`gearbench list scenes`, `models` and `integrators` print the details");
     }
     Ok(answer)
@@ -140,19 +141,17 @@ impl CacheFiles {
         Ok(self.files.len())
     }
 
-    fn print(&self, context: &Context, removed: usize) {
-        context.messages.print_line(
+    fn print(&self, messages: &Messages, removed: usize) {
+        messages.print_line(
             "\ncache of reductions (--clear-cache empties it; GEARBENCH_CACHE sets its folder, or `off`)",
         );
         let Some(folder) = &self.folder else {
-            return context.messages.print_line("  off");
+            return messages.print_line("  off");
         };
         if removed > 0 {
-            context
-                .messages
-                .print_line(&format!("  {removed} files were removed"));
+            messages.print_line(&format!("  {removed} files were removed"));
         }
-        context.messages.print_line(&format!(
+        messages.print_line(&format!(
             "  {}: {} files, {:.1} MB of at most {:.1} GB; the least recently used files are removed first",
             folder.display(),
             self.files.len(),
@@ -212,44 +211,30 @@ fn reference(r: &StoredReference) -> Value {
     json!({ "id": r.id, "title": r.title })
 }
 
-fn print_scenes(context: &Context, scenes: &[SceneFile], in_full: bool) {
-    context
-        .messages
-        .print_line("scenes (gearbench compare NAME)");
+fn print_scenes(messages: &Messages, scenes: &[SceneFile], in_full: bool) {
+    messages.print_line("scenes (gearbench compare NAME)");
     for s in scenes {
-        context
-            .messages
-            .print_line(&format!("  {:<18} {}", s.name, s.title));
+        messages.print_line(&format!("  {:<18} {}", s.name, s.title));
         if in_full {
             let labels: Vec<&str> = s.models.iter().map(|m| m.label.as_str()).collect();
-            context
-                .messages
-                .print_line(&format!("  {:<18} models: {}", "", labels.join(", ")));
+            messages.print_line(&format!("  {:<18} models: {}", "", labels.join(", ")));
         }
     }
 }
 
-fn print_models(context: &Context, in_full: bool) {
-    context
-        .messages
-        .print_line("\nmodels (model = \"ID\" in a scene)");
-    for m in &*context.models {
-        context
-            .messages
-            .print_line(&format!("  {:<18} {}", m.id, m.title));
+fn print_models(messages: &Messages, models: &[Model], in_full: bool) {
+    messages.print_line("\nmodels (model = \"ID\" in a scene)");
+    for m in models {
+        messages.print_line(&format!("  {:<18} {}", m.id, m.title));
         for p in m.parameters.iter().filter(|_| in_full) {
             let need = if p.required { "required" } else { "optional" };
-            context
-                .messages
-                .print_line(&format!("    {:<28} {} ({need})", p.key, p.meaning));
+            messages.print_line(&format!("    {:<28} {} ({need})", p.key, p.meaning));
         }
     }
 }
 
-fn print_integrators(context: &Context, in_full: bool) {
-    context
-        .messages
-        .print_line("\nintegrators (--integrators ID or \"ID(parameter=value)@step\")");
+fn print_integrators(messages: &Messages, in_full: bool) {
+    messages.print_line("\nintegrators (--integrators ID or \"ID(parameter=value)@step\")");
     for m in METHODS {
         let i = m.info;
         let kind = if i.implicit { "implicit" } else { "explicit" };
@@ -268,37 +253,31 @@ fn print_integrators(context: &Context, in_full: bool) {
             i.id, i.order
         );
         if !in_full {
-            context.messages.print_line(&line);
+            messages.print_line(&line);
             continue;
         }
-        context
-            .messages
-            .print_line(&format!("{line}; {}", i.citation));
+        messages.print_line(&format!("{line}; {}", i.citation));
         for p in i.parameters {
-            context.messages.print_line(&format!(
+            messages.print_line(&format!(
                 "    {} = {} in [{}, {}]: {}",
                 p.name, p.default, p.range.0, p.range.1, p.meaning
             ));
         }
     }
     if in_full {
-        context.messages.print_line(&format!(
+        messages.print_line(&format!(
             "  all have the parameter {} in {{0, 1}}, default {}; {}",
             FREE_FLIGHT.name, FREE_FLIGHT.default, FREE_FLIGHT.meaning
         ));
     }
 }
 
-fn print_references(context: &Context) {
-    context
-        .messages
-        .print_line("\nreferences (reference = \"ID\" in a scene)");
+fn print_references(messages: &Messages) {
+    messages.print_line("\nreferences (reference = \"ID\" in a scene)");
     for r in REFERENCES {
-        context
-            .messages
-            .print_line(&format!("  {:<24} {}", r.id, r.title));
+        messages.print_line(&format!("  {:<24} {}", r.id, r.title));
     }
-    context.messages.print_line(
+    messages.print_line(
         "  your own table: reference = { csv = \"press.csv\" }; the run of a model: gearbench reference",
     );
 }

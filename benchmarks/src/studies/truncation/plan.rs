@@ -123,7 +123,7 @@ impl std::fmt::Display for ModeBound {
 
 impl Plan {
     /// Plans the study of a scene under the given conditions and options of the command line.
-    pub fn of<'a>(
+    pub fn of(
         scene: &SceneFile,
         (elastic, full): (&ModelChoice, &ModelChoice),
         args: &Truncation,
