@@ -8,6 +8,7 @@
 
 mod support;
 
+use gearbench::context::Context;
 use gearbench::scene_file::{Origin, SceneFile};
 use gearbench_integrators::{NullSink, Resolution, TimePlan, Work};
 use gearbench_models::scene::Scene;
@@ -25,8 +26,14 @@ fn scene(bearings: bool) -> (Scene, f64) {
     for (word, bearing) in ["PINION_BEARING", "WHEEL_BEARING"].iter().zip(BEARINGS) {
         text = text.replace(word, if bearings { bearing } else { "" });
     }
-    let file = SceneFile::unbuilt("helical_bearings", &text, Origin::Shipped, false)
-        .unwrap_or_else(|e| panic!("{e:?}"));
+    let file = SceneFile::unbuilt(
+        &Context::default(),
+        "helical_bearings",
+        &text,
+        Origin::Shipped,
+        false,
+    )
+    .unwrap_or_else(|e| panic!("{e:?}"));
     (built(&file, "rigid", &[]), file.duration)
 }
 

@@ -12,9 +12,11 @@ use gearbench_integrators::system::{SecondOrderSystem, State};
 use gearbench_integrators::{AcceptedStep, Control, NullSink, Resolution, Sink, TimePlan};
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::Value;
-use gearbench_reference::reduction::cache::{self, Cache};
+use gearbench_reference::reduction::cache::Cache;
+use gearbench_reference::resources::Resources;
 use nalgebra::DMatrix;
 use std::hint::black_box;
+use std::sync::Arc;
 use support::helical::{Motion, against_full, bearings, compare};
 use support::ratio::{by_turns, ratios, seconds};
 use support::scenes::{changed, file, run};
@@ -146,7 +148,15 @@ impl Kernel {
 #[allow(clippy::print_stdout)]
 fn main() {
     // Reductions of the gears, which take most of the time, are kept for the next run.
-    cache::choose(Cache::standard());
+    let resources = Resources {
+        cache: Arc::new(Cache::standard()),
+        ..Resources::default()
+    };
+    resources.within(all);
+}
+
+#[allow(clippy::print_stdout)]
+fn all() {
     let mut criterion = ratios(2.0);
     for label in ["elastic", "elastic-half-space"] {
         for motion in [Motion::Impact, Motion::Load(75.0)] {

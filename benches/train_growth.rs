@@ -6,6 +6,7 @@
 
 mod support;
 
+use gearbench::context::Context;
 use gearbench::scene_file::{Origin, SceneFile};
 use gearbench_integrators::{NullSink, Resolution, SecondOrderSystem, TimePlan, Work};
 use gearbench_models::scene::Scene;
@@ -87,8 +88,14 @@ fn text(meshes: usize) -> String {
 }
 
 fn train(meshes: usize, label: &str) -> Scene {
-    let file = SceneFile::unbuilt("train", &text(meshes), Origin::Shipped, false)
-        .unwrap_or_else(|e| panic!("{e:?}"));
+    let file = SceneFile::unbuilt(
+        &Context::default(),
+        "train",
+        &text(meshes),
+        Origin::Shipped,
+        false,
+    )
+    .unwrap_or_else(|e| panic!("{e:?}"));
     built(&file, label, &[])
 }
 

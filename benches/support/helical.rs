@@ -3,6 +3,7 @@
 
 use super::ratio::{Ratios, by_turns};
 use super::scenes::{built, run};
+use gearbench::context::Context;
 use gearbench::scene_file::{Origin, SceneFile};
 use gearbench_integrators::system::{SecondOrderSystem, State};
 use gearbench_integrators::{AcceptedStep, Control, NullSink, Resolution, Sink, TimePlan};
@@ -44,8 +45,14 @@ pub fn scene(helix: f64, motion: Motion, label: &str, bearings: bool) -> (Scene,
         text = text.replace(word, &format!("{x:?}"));
     }
     text = text.replace("BEARING", if bearings { BEARING } else { "" });
-    let file = SceneFile::unbuilt("helical", &text, Origin::Shipped, false)
-        .unwrap_or_else(|e| panic!("{e:?}"));
+    let file = SceneFile::unbuilt(
+        &Context::default(),
+        "helical",
+        &text,
+        Origin::Shipped,
+        false,
+    )
+    .unwrap_or_else(|e| panic!("{e:?}"));
     (built(&file, label, &[]), file.duration)
 }
 

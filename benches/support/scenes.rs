@@ -1,6 +1,7 @@
 //! Shipped scenes, runs of them, and figures that are stored.
 
 use super::ratio::seconds;
+use gearbench::context::Context;
 use gearbench::experiment::machine;
 use gearbench::scene_file::{self, SceneFile};
 use gearbench_integrators::{Integrator, Resolution, Sink, State, TimePlan, Work};
@@ -10,7 +11,7 @@ use serde_json::json;
 
 /// Loads a shipped scene, or one at a path from the root of the repository.
 pub fn file(name: &str) -> SceneFile {
-    scene_file::load(name).unwrap_or_else(|e| panic!("{e:?}"))
+    scene_file::load(&Context::default(), name).unwrap_or_else(|e| panic!("{e:?}"))
 }
 
 /// Builds a model of a scene with modified modelling.

@@ -2,7 +2,9 @@
 //!
 //! | module | owns |
 //! |---|---|
-//! | [`models`] | the table of gear models that scenes can name |
+//! | [`context`] | what a command or a study has of its own: models, interruption, scene of a rerun, messages |
+//! | [`messages`] | standard output and standard error, warnings |
+//! | [`models`] | the table of gear models |
 //! | [`scene_file`] | the scene format, embedded scenes, calibrations |
 //! | [`experiment`] | runs of one model under one integrator: conditions, row of the record, status |
 //! | [`fmu`] | a scene as a functional mock-up unit: variables, description, package |
@@ -11,8 +13,10 @@
 //! | [`cli`] | table of commands, messages, files, exit codes |
 
 pub mod cli;
+pub mod context;
 pub mod experiment;
 pub mod fmu;
+pub mod messages;
 pub mod models;
 pub mod scene_file;
 pub mod studies;

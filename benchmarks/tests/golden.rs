@@ -6,6 +6,7 @@
 //! The work of fixed-step methods is pinned exactly. Adaptive methods may take a step more or less where
 //! sums are rounded otherwise (another processor, another compiler), so theirs is held to 3 %.
 
+use gearbench::context::Context;
 use gearbench::experiment::conditions::Conditions;
 use gearbench::experiment::runner::Runner;
 use gearbench::scene_file;
@@ -22,7 +23,11 @@ const HEADER: &str = "# Golden runs of scene spur_impact, made by:\n\
 fn runs() -> Vec<Run> {
     // Models with integrators of their own are finite elements: other tests hold those.
     let labels = Some("rigid,movable-teeth,rigid-iso6336");
-    let scene = scene_file::load_for("spur_impact", scene_file::Selection::Labels(labels));
+    let scene = scene_file::load_for(
+        &Context::default(),
+        "spur_impact",
+        scene_file::Selection::Labels(labels),
+    );
     let mut scene = scene.unwrap_or_else(|e| panic!("{e:?}"));
     let references = scene.load_own_references(false).unwrap();
     let choices = scene.select(labels).unwrap();

@@ -3,6 +3,7 @@
 
 use crate::method::{Resolution, Stepping};
 use crate::spec::{MethodError, MethodSpec};
+use std::fmt;
 use std::str::FromStr;
 
 /// A method with its fixed step or tolerance.
@@ -32,6 +33,16 @@ impl Scheme {
         match self.resolution {
             Resolution::Step(h) => format!("{}, step {h:.0e} s", self.method),
             Resolution::Tolerance(rtol) => format!("{}, rtol {rtol:.0e}", self.method),
+        }
+    }
+}
+
+/// The form that [`Scheme::list`] parses: `rk4@1e-6s`, `dopri5@1e-6`.
+impl fmt::Display for Scheme {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.resolution {
+            Resolution::Step(h) => write!(f, "{}@{h:e}s", self.method),
+            Resolution::Tolerance(rtol) => write!(f, "{}@{rtol:e}", self.method),
         }
     }
 }

@@ -15,6 +15,7 @@
 //! | `vector` | sums and turns of vectors that several modules need |
 //! | [`recognise`] | a gear from its surface alone: axis, bore, teeth, flanks, involute |
 //! | [`Refusal`] | why a file is refused, a deck or a stored reduction |
+//! | [`resources`], [`limits`] | what a study may take from the machine: memory, cache |
 //! | [`files`] | regular files of a bounded size |
 //! | [`hash`] | the hash that names stored results |
 //! | [`file_kind`] | files of this field by the endings of their names, and what can be done with each |
@@ -39,6 +40,7 @@ pub mod modes;
 pub mod recognise;
 pub mod reduction;
 mod refusal;
+pub mod resources;
 pub mod solve;
 pub mod statics;
 pub mod stored;

@@ -1,39 +1,70 @@
-//! The memory that a program may take: estimates beyond it are refused before it is taken.
-//!
-//! One limit for the whole process, because its parts share the machine; set once by the command, else [`DEFAULT`].
+//! The memory that a study may take: estimates beyond it are refused before it is taken.
 
+use crate::resources::Resources;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Default limit of memory [bytes].
 pub const DEFAULT: f64 = 2e9;
 
-static LIMIT: AtomicU64 = AtomicU64::new(0);
-/// Bytes that results take which stay to the end of a study.
-static RESERVED: AtomicU64 = AtomicU64::new(0);
-
-/// Sets the limit [bytes].
-pub fn set_memory(bytes: f64) {
-    LIMIT.store(bytes.to_bits(), Ordering::Relaxed);
+/// The memory that the parts of a study share; a clone is the same memory.
+#[derive(Clone, Debug)]
+pub struct Memory {
+    /// Limit [bytes].
+    limit: f64,
+    /// Bytes that results take which stay to the end of a study.
+    reserved: Arc<AtomicU64>,
 }
 
-/// The limit [bytes].
-pub fn memory() -> f64 {
-    match LIMIT.load(Ordering::Relaxed) {
-        0 => DEFAULT,
-        bits => f64::from_bits(bits),
+impl Default for Memory {
+    /// The memory [`DEFAULT`].
+    fn default() -> Self {
+        Memory::of(DEFAULT)
     }
 }
 
-/// Counts bytes that remain allocated, such as the histories of finished runs: estimates are compared with the rest.
-pub fn reserve(bytes: u64) {
-    RESERVED.fetch_add(bytes, Ordering::Relaxed);
-}
+impl Memory {
+    /// A memory with a limit [bytes].
+    pub fn of(limit: f64) -> Self {
+        Memory {
+            limit,
+            reserved: Arc::default(),
+        }
+    }
 
-/// Counts bytes as free again that were [reserved](reserve).
-pub fn release(bytes: u64) {
-    // More is never released than was reserved.
-    let less = |all: u64| Some(all.saturating_sub(bytes));
-    let _ = RESERVED.fetch_update(Ordering::Relaxed, Ordering::Relaxed, less);
+    /// The limit [bytes].
+    pub fn limit(&self) -> f64 {
+        self.limit
+    }
+
+    /// Counts bytes that remain allocated, such as the histories of finished runs: estimates are compared with the rest.
+    pub fn reserve(&self, bytes: u64) {
+        self.reserved.fetch_add(bytes, Ordering::Relaxed);
+    }
+
+    /// Counts bytes as free again that were [reserved](Self::reserve).
+    pub fn release(&self, bytes: u64) {
+        // More is never released than was reserved.
+        let less = |all: u64| Some(all.saturating_sub(bytes));
+        let _ = (self.reserved).fetch_update(Ordering::Relaxed, Ordering::Relaxed, less);
+    }
+
+    fn check(&self, what: String, bytes: f64, way_out: &str) -> Result<(), TooMuchMemory> {
+        let reserved = self.reserved.load(Ordering::Relaxed) as f64;
+        if reserved + bytes <= self.limit {
+            return Ok(());
+        }
+        let what = match reserved > 0.01 * self.limit {
+            true => format!("{what}, with {} of results", gigabytes(reserved)),
+            false => what,
+        };
+        Err(TooMuchMemory {
+            what,
+            needed: gigabytes(reserved + bytes),
+            allowed: gigabytes(self.limit),
+            way_out: way_out.into(),
+        })
+    }
 }
 
 /// Something that would take more memory than it may.
@@ -52,26 +83,12 @@ pub struct TooMuchMemory {
     pub way_out: String,
 }
 
-/// Checks an estimate [bytes] against the limit.
+/// Checks an estimate [bytes] against the memory of this thread ([`Resources::own`]).
 ///
 /// # Errors
 /// [`TooMuchMemory`] beyond it.
 pub fn check(what: impl Into<String>, bytes: f64, way_out: &str) -> Result<(), TooMuchMemory> {
-    let allowed = memory();
-    let reserved = RESERVED.load(Ordering::Relaxed) as f64;
-    if reserved + bytes <= allowed {
-        return Ok(());
-    }
-    let what = match reserved > 0.01 * allowed {
-        true => format!("{}, with {} of results", what.into(), gigabytes(reserved)),
-        false => what.into(),
-    };
-    Err(TooMuchMemory {
-        what,
-        needed: gigabytes(reserved + bytes),
-        allowed: gigabytes(allowed),
-        way_out: way_out.into(),
-    })
+    Resources::own().memory.check(what.into(), bytes, way_out)
 }
 
 fn gigabytes(bytes: f64) -> String {

@@ -153,6 +153,14 @@ impl<'c, R: 'c> Columns<'c, R> {
         })
     }
 
+    /// Keeps the columns of some keys, in this order.
+    pub fn only(mut self, keys: &[&str]) -> Self {
+        let place = |c: &Column<'_, R>| keys.iter().position(|key| *key == c.key);
+        self.all.retain(|c| place(c).is_some());
+        self.all.sort_by_key(place);
+        self
+    }
+
     /// Adds the columns of a part of the row; their cells are empty in a row without the part.
     pub fn join<P: 'c>(
         mut self,

@@ -40,6 +40,7 @@ pub use studies::choose::{
 };
 pub use studies::{
     StudyReport, check, choice_check, compare as comparison, coupling, finding, identify,
-    measured_lines, modes, precision, response, run_up, stability, stiffness, sweep, truncation,
+    measured_lines, modes, precision, response, run_up, scan, stability, stiffness, sweep,
+    truncation,
 };
 pub use view::{metric_against, yardstick_of};

@@ -7,7 +7,6 @@
 //! `golden` holds results against.
 #![allow(clippy::print_stdout, clippy::print_stderr)]
 
-use gearbench_reference::reduction::cache::{self, Cache};
 use gearbench_tests::fingerprint::{
     Difference, List, Renames, differences, fingerprint, golden_form, studies,
 };
@@ -67,7 +66,6 @@ fn main() -> ExitCode {
         }
     };
     let folder = tempfile::tempdir().expect("a folder for results");
-    cache::choose(Cache::at(&folder.path().join("cache"), u64::MAX));
     let list = fingerprint(only, folder.path());
     let (path, text) = match file {
         Some(file) => (PathBuf::from(file), list.to_text()),

@@ -1,6 +1,7 @@
 //! The joined table of models, with typical parameters of each.
 
 use crate::{case_a, contact, elastic_toy, elastic_web, flank_test_gears, nodal_test_gear};
+use gearbench::context::Context;
 use gearbench_models::gear::table::{MODELS, Model};
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{ContactSpec, ModelSpec, Modelling, Parameters, PointContact, Value};
@@ -8,6 +9,11 @@ use gearbench_models::spec::{ContactSpec, ModelSpec, Modelling, Parameters, Poin
 /// Returns all models: the table of the crate and the example.
 pub fn models() -> Vec<Model> {
     [MODELS, &[elastic_web::MODEL]].concat()
+}
+
+/// The context of a program that adds the example to the table.
+pub fn joined() -> Context {
+    Context::default().with_model(elastic_web::MODEL)
 }
 
 /// Returns all models, finite elements and the test gears with flanks.
@@ -126,9 +132,8 @@ pub struct Subject {
 
 /// Returns all models of the joined table.
 pub fn subjects() -> Vec<Subject> {
-    gearbench::models::join(elastic_web::MODEL);
     let mut all = Vec::new();
-    for model in gearbench::models::models() {
+    for model in &*joined().models {
         let plain = (model.id.to_string(), usual(model));
         let takes = |key: &str| model.parameters.iter().any(|p| p.key == key);
         let variants = VARIANTS.iter().filter(|(key, _)| takes(key));
@@ -161,7 +166,7 @@ fn of_flanks(model: &ModelSpec, pairs: &ContactSpec) -> bool {
         gears: vec![model.clone(), model.clone()],
         contacts: vec![pairs.clone()],
     };
-    Scene::build(&case_of_body(3e-6), &modelling, gearbench::models::models()).is_err()
+    Scene::build(&case_of_body(3e-6), &modelling, &joined().models).is_err()
 }
 
 /// Returns the impact of [`case_a`] with the inertia of the bodies.
@@ -180,7 +185,7 @@ impl Subject {
             gears: vec![self.spec.clone(), self.spec.clone()],
             contacts: vec![self.contact.clone()],
         };
-        Scene::build(&case_of_body(gap), &modelling, gearbench::models::models())
+        Scene::build(&case_of_body(gap), &modelling, &joined().models)
             .unwrap_or_else(|e| panic!("{}: {e}", self.name))
     }
 }

@@ -8,8 +8,8 @@
 
 use crate::sampling::random::Random;
 use crate::validate::ValidationError;
+use gearbench::context::Context;
 use gearbench::experiment::runner::Runner;
-use gearbench::models::models;
 use gearbench::scene_file::calibration::{Constants, GAP};
 use gearbench::scene_file::{self, Selection};
 use gearbench::studies::identify::{CLOCK, Data, DataSet, FitOptions, FitPlan, identify, modelled};
@@ -80,7 +80,7 @@ pub fn coverage(rows: &[Row]) -> Vec<(String, f64, usize)> {
 pub fn check(plan: &Plan, mut done: impl FnMut(usize)) -> Result<Vec<Row>, ValidationError> {
     let other = |e: &dyn std::fmt::Display| ValidationError::Other(e.to_string());
     let labels = Some(plan.model.as_str());
-    let scene = scene_file::load_for(&plan.scene, Selection::Labels(labels))
+    let scene = scene_file::load_for(&Context::default(), &plan.scene, Selection::Labels(labels))
         .map_err(|e| other(&e.to_text()))?;
     let choice = scene.model(&plan.model);
     let id = scene.reference().and_then(|r| r.stored());
@@ -102,7 +102,7 @@ pub fn check(plan: &Plan, mut done: impl FnMut(usize)) -> Result<Vec<Row>, Valid
     let fit = FitPlan {
         label: plan.model.clone(),
         modelling: choice.modelling.clone(),
-        models: models(),
+        context: scene.context.clone(),
         data: vec![set.clone()],
         held_out: Vec::new(),
         wishes: FitOptions::default(),

@@ -6,6 +6,7 @@
 //! because at another speed they reach the other flanks at another time.
 
 use crate::validate::ValidationError;
+use gearbench::context::Context;
 use gearbench::experiment::conditions::even;
 use gearbench::experiment::key::Key;
 use gearbench::experiment::run::force_on_grid;
@@ -89,8 +90,8 @@ pub fn carry(
     runner: &Runner<'_>,
     print: &dyn Fn(&str),
 ) -> Result<SceneFits, ValidationError> {
-    let scene =
-        scene_file::load_uncalibrated(name, Selection::None).map_err(|e| other(&e.to_text()))?;
+    let scene = scene_file::load_uncalibrated(&Context::default(), name, Selection::None)
+        .map_err(|e| other(&e.to_text()))?;
     let full = |c: &&ModelChoice| properties_of(models(), &c.model).full_order;
     // A model with the label `fe` takes precedence over other full finite elements, whose labels name a variant of the
     // contact.
@@ -128,7 +129,7 @@ pub fn carry(
         let plan = FitPlan {
             label: (*label).into(),
             modelling: modelling.clone(),
-            models: models(),
+            context: scene.context.clone(),
             data: data[..1].to_vec(),
             held_out: data[1..].to_vec(),
             wishes: FitOptions {
@@ -184,6 +185,7 @@ fn history(
         let mut built = Scene::build(&spec, &fe.modelling, models()).map_err(|e| other(&e))?;
         let mut method = scheme.method.build();
         force_on_grid(
+            &scene.context,
             &mut built,
             method.as_mut(),
             scheme.resolution,

@@ -31,12 +31,14 @@ use gearbench::cli::command_result::CommandResult;
 use gearbench::cli::exit::Exit;
 use gearbench::cli::progress::Display;
 use gearbench::cli::study_folder::StudyFolder;
-use gearbench::cli::terminal::{self, Refusal, print_line, print_text};
+use gearbench::cli::terminal::{self, Refusal};
+use gearbench::context::Context;
 use gearbench::experiment::conditions::silent;
 use gearbench::experiment::journal::{JOURNAL, Journal, Subject};
 use gearbench::experiment::machine;
 use gearbench::experiment::runner::Runner;
-use gearbench_reference::reduction::cache::{self, Cache};
+use gearbench::messages::Messages;
+use gearbench_reference::reduction::cache::Cache;
 use gearbench_reports::Study;
 use gearbench_reports::choice_check::{CheckRecord, Outcome, ValidatedChoice, share};
 use gearbench_reports::record::{Part, Results};
@@ -54,22 +56,23 @@ const COVERAGE: [f64; 2] = [0.90, 0.99];
 
 fn main() -> ExitCode {
     machine::set_commit(machine::commit_of_checkout());
-    cache::choose(Cache::standard());
+    let mut context = Context::default();
+    context.resources.cache = Arc::new(Cache::standard());
     let told = terminal::command_line("gearbench-validation");
-    let done = match Cli::parse().command {
-        Command::Sample { scene } => print(&scene.0, scene.1),
-        Command::Run(args) => validate(&args, &told),
-        Command::Reduction(args) => reduce(&args),
-        Command::Coverage(args) => cover(&args),
-        Command::Agreement(args) => agree(&args),
-        Command::Identification(args) => carry(&args, &told),
-        Command::Figures(args) => quote(&args),
-    };
-    terminal::end(&told, done)
+    let done = (context.resources).within(|| match Cli::parse().command {
+        Command::Sample { scene } => print(&context, &scene.0, scene.1),
+        Command::Run(args) => validate(&context, &args, &told),
+        Command::Reduction(args) => reduce(&context, &args),
+        Command::Coverage(args) => cover(&context, &args),
+        Command::Agreement(args) => agree(&context, &args),
+        Command::Identification(args) => carry(&context, &args, &told),
+        Command::Figures(args) => quote(&context, &args),
+    });
+    terminal::end(&context, &told, done)
 }
 
 /// Runs both commands on each scene in turn, and writes the table after each.
-fn agree(args: &arguments::Agreement) -> Result<CommandResult, Refusal> {
+fn agree(context: &Context, args: &arguments::Agreement) -> Result<CommandResult, Refusal> {
     let [first, last] = args.scenes.unwrap_or([1, agreement::SCENES]);
     let fail = |e: std::io::Error| Refusal::Files(format!("{}: {e}", args.out.display()));
     if last > agreement::SCENES {
@@ -85,7 +88,7 @@ fn agree(args: &arguments::Agreement) -> Result<CommandResult, Refusal> {
         let of = agreement::scene(number);
         let folder = args.out.join(format!("scene-{number:02}"));
         let row = agreement::compare_answers(&of, &program, &folder).map_err(fail)?;
-        print_line(&format!(
+        context.messages.print_line(&format!(
             "scene {number}, {}: {}",
             row.kind,
             match row.contradictions.is_empty() {
@@ -98,13 +101,15 @@ fn agree(args: &arguments::Agreement) -> Result<CommandResult, Refusal> {
     }
     let contradicted = rows.iter().filter(|r| !r.contradictions.is_empty()).count();
     let undecided = |i: usize| rows.iter().filter(|r| r.undecided()[i]).count();
-    print_line(&format!(
+    context.messages.print_line(&format!(
         "{} scenes, {contradicted} with a contradiction; not decided by compare {}, by choose {}",
         rows.len(),
         undecided(0),
         undecided(1)
     ));
-    print_line(&format!("table: {}", file.display()));
+    context
+        .messages
+        .print_line(&format!("table: {}", file.display()));
     Ok(CommandResult::done().ending(match contradicted {
         0 => Exit::Done,
         _ => Exit::FellShort,
@@ -112,20 +117,22 @@ fn agree(args: &arguments::Agreement) -> Result<CommandResult, Refusal> {
 }
 
 /// Measures the figures of the documents again and writes them into the documents.
-fn quote(args: &arguments::Figures) -> Result<CommandResult, Refusal> {
+fn quote(context: &Context, args: &arguments::Figures) -> Result<CommandResult, Refusal> {
     let root = figures::repository();
     let mut stored = figures::Figures::load(&root).map_err(Refusal::Failed)?;
     if !args.text {
         let program = agreement::next_to_this();
         stored
-            .measure(&root, &args.sources, &program, &print_line)
+            .measure(&root, &args.sources, &program, &|line| {
+                context.messages.print_line(line)
+            })
             .map_err(Refusal::Failed)?;
     }
     let changed = stored.write(&root).map_err(Refusal::Failed)?;
     for difference in &changed {
-        print_line(&difference.to_string());
+        context.messages.print_line(&difference.to_string());
     }
-    print_line(&format!(
+    context.messages.print_line(&format!(
         "{} figures of the documents changed",
         changed.len()
     ));
@@ -151,15 +158,15 @@ fn refuse(e: ValidationError) -> Refusal {
 }
 
 /// Prints a random scene as a scene file.
-fn print(set: &str, number: usize) -> Result<CommandResult, Refusal> {
+fn print(context: &Context, set: &str, number: usize) -> Result<CommandResult, Refusal> {
     let set = sampling::set(set).map_err(refuse_sample)?;
     let sample = sampling::sample(&set, number).map_err(refuse_sample)?;
-    print_text(sample.text.trim_end());
+    context.messages.print_text(sample.text.trim_end());
     Ok(CommandResult::done())
 }
 
 /// Compares elastic gears with full finite elements and writes a table.
-fn reduce(args: &arguments::Reduction) -> Result<CommandResult, Refusal> {
+fn reduce(context: &Context, args: &arguments::Reduction) -> Result<CommandResult, Refusal> {
     let set = sampling::set(&args.set).map_err(refuse_sample)?;
     let [first, last] = args.scenes.unwrap_or([1, set.scenes]);
     // A killed campaign continues with the same command.
@@ -171,11 +178,11 @@ fn reduce(args: &arguments::Reduction) -> Result<CommandResult, Refusal> {
     };
     let journal =
         Journal::open(&kept, &subject, false).map_err(|e| Refusal::Files(e.to_string()))?;
-    let runner = Arc::new(Runner::new(journal, &silent));
+    let runner = Arc::new(Runner::new(context.clone(), journal, &silent));
     let mut rows = Vec::new();
     for number in first..=last {
         let row = reduction::compare(&set, number, &runner).map_err(refuse)?;
-        print_line(&format!(
+        context.messages.print_line(&format!(
             "{}: {}, {}, force {}",
             row.scene,
             row.kind,
@@ -192,7 +199,7 @@ fn reduce(args: &arguments::Reduction) -> Result<CommandResult, Refusal> {
     std::fs::remove_file(&kept).map_err(|e| Refusal::Files(format!("{}: {e}", kept.display())))?;
     let ended = rows.iter().filter(|r| r.ended()).count();
     let within = rows.iter().filter(|r| r.is_within()).count();
-    print_line(&format!(
+    context.messages.print_line(&format!(
         "{} scenes (seed {}): {ended} ended both ways, {within} within {} %",
         rows.len(),
         set.seed,
@@ -203,7 +210,7 @@ fn reduce(args: &arguments::Reduction) -> Result<CommandResult, Refusal> {
 }
 
 /// Checks the coverage of intervals on synthetic data and writes a table.
-fn cover(args: &arguments::Coverage) -> Result<CommandResult, Refusal> {
+fn cover(context: &Context, args: &arguments::Coverage) -> Result<CommandResult, Refusal> {
     let plan = coverage::Plan {
         scene: args.scene.clone(),
         model: args.model.clone(),
@@ -219,7 +226,7 @@ fn cover(args: &arguments::Coverage) -> Result<CommandResult, Refusal> {
     write_to(&args.out, &coverage::csv(&plan, &rows))?;
     let found = coverage::coverage(&rows);
     for (key, part, open) in &found {
-        print_line(&format!(
+        context.messages.print_line(&format!(
             "{key}: the 95 % interval contains the true value in {:.1} % of {} sets; {open} times not identifiable",
             100.0 * part,
             plan.sets
@@ -231,7 +238,11 @@ fn cover(args: &arguments::Coverage) -> Result<CommandResult, Refusal> {
 }
 
 /// Fits models to full finite elements, compares them with these at other speeds, and writes the tables.
-fn carry(args: &arguments::Identification, command: &str) -> Result<CommandResult, Refusal> {
+fn carry(
+    context: &Context,
+    args: &arguments::Identification,
+    command: &str,
+) -> Result<CommandResult, Refusal> {
     let kept = args.out.with_extension(JOURNAL);
     let subject = Subject {
         study: "validation".into(),
@@ -240,13 +251,16 @@ fn carry(args: &arguments::Identification, command: &str) -> Result<CommandResul
     };
     let journal =
         Journal::open(&kept, &subject, false).map_err(|e| Refusal::Files(e.to_string()))?;
-    let runner = Runner::new(journal, &silent);
+    let runner = Runner::new(context.clone(), journal, &silent);
     let mut all = Vec::new();
     for scene in &args.scenes {
-        all.push(identification::carry(scene, &runner, &print_line).map_err(refuse)?);
+        all.push(
+            identification::carry(scene, &runner, &|line| context.messages.print_line(line))
+                .map_err(refuse)?,
+        );
     }
     let text = identification::markdown(&all, command);
-    print_text(&text);
+    context.messages.print_text(&text);
     write_to(&args.out, &text)?;
     std::fs::remove_file(&kept).map_err(|e| Refusal::Files(format!("{}: {e}", kept.display())))?;
     let movable = |f: &&identification::FittedModel| !f.name.starts_with("rigid");
@@ -264,7 +278,11 @@ fn write_to(path: &std::path::Path, text: &str) -> Result<(), Refusal> {
 }
 
 /// Validates choices on a set of random scenes and writes the results.
-fn validate(args: &arguments::Run, command: &str) -> Result<CommandResult, Refusal> {
+fn validate(
+    context: &Context,
+    args: &arguments::Run,
+    command: &str,
+) -> Result<CommandResult, Refusal> {
     let name = args.set.as_str();
     let mut set = sampling::set(name).map_err(refuse_sample)?;
     set.full_order = args.full_order.unwrap_or(set.full_order);
@@ -281,7 +299,12 @@ fn validate(args: &arguments::Run, command: &str) -> Result<CommandResult, Refus
         fresh: args.fresh,
         ..Output::default()
     };
-    let mut folder = StudyFolder::open(&output, name, Study::ChoiceCheck.as_str())?;
+    let mut folder = StudyFolder::open(
+        &Context::default(),
+        &output,
+        name,
+        Study::ChoiceCheck.as_str(),
+    )?;
     let runner = folder.runner(&silent);
     let plan = Plan {
         set: set.clone(),
@@ -329,7 +352,9 @@ fn validate(args: &arguments::Run, command: &str) -> Result<CommandResult, Refus
     let path = folder.path().join("candidates.csv");
     std::fs::write(&path, candidates)
         .map_err(|e| Refusal::Files(format!("{}: {e}", path.display())))?;
-    print_line(&format!("candidates: {}", path.display()));
+    context
+        .messages
+        .print_line(&format!("candidates: {}", path.display()));
     Ok(answer)
 }
 
@@ -345,11 +370,11 @@ fn exit(results: &Results) -> Exit {
     }
 }
 
-fn summarise(results: &Results) {
+fn summarise(messages: &Messages, results: &Results) {
     let all: Vec<&ValidatedChoice> = results.choices().iter().collect();
     for s in gearbench_reports::choice_check::shares(results.choices()) {
         let number = |x: Option<f64>| x.map_or_else(|| "-".into(), |x| format!("{x:.2}"));
-        print_line(&format!(
+        messages.print_line(&format!(
             "{:24} {:3} scenes  met {:3} ({} rightly none)  cost ratio {} (90 % below {})  predicted/true error {}",
             s.name,
             s.scenes,
@@ -361,7 +386,7 @@ fn summarise(results: &Results) {
         ));
     }
     for row in all.iter().filter(|r| !r.outcome.is_met()) {
-        print_line(&format!(
+        messages.print_line(&format!(
             "{}: {}, {} {} to {} %: {} [{}]",
             row.scene,
             row.outcome,
@@ -377,7 +402,7 @@ fn summarise(results: &Results) {
         .filter(|r| r.outcome == Outcome::NotValidated)
         .count();
     if unvalidated > 0 {
-        print_line(&format!("{unvalidated} scenes could not be validated"));
+        messages.print_line(&format!("{unvalidated} scenes could not be validated"));
     }
 }
 

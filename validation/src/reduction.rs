@@ -168,7 +168,7 @@ fn start_gently(problem: &mut Problem, cycle: f64, module: f64) -> Result<(), Va
     let modelling = elastic(&problem.flexible, MODES, None);
     let mut touches = |gap: f64| -> Result<bool, ValidationError> {
         problem.scene.meshes[0].start.gap = gap;
-        let mut scene = Scene::build(&problem.scene, &modelling, problem.models)
+        let mut scene = Scene::build(&problem.scene, &modelling, &problem.context.models)
             .map_err(gearbench::experiment::run::RunError::from)?;
         let state = scene.initial();
         let forces = scene.contact_forces(state.at());

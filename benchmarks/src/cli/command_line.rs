@@ -3,21 +3,27 @@
 /// Formats the command line with the name of the program in place of its path. Bytes that are not valid text are
 /// replaced.
 pub fn command_line(program: &str) -> String {
-    let quote = |a: String| {
+    let arguments = std::env::args_os().skip(1);
+    let arguments: Vec<String> = arguments
+        .map(|a| a.to_string_lossy().into_owned())
+        .collect();
+    join(program, &arguments)
+}
+
+/// Joins words to a line that a shell splits into the same words.
+pub fn join(program: &str, words: &[String]) -> String {
+    let quote = |a: &String| {
         let plain = !a.is_empty()
             && a.chars()
                 .all(|c| c.is_ascii_alphanumeric() || "-_./=@,:+".contains(c));
         if plain {
-            a
+            a.clone()
         } else {
             format!("'{}'", a.replace('\'', "'\\''"))
         }
     };
-    let arguments = std::env::args_os().skip(1);
-    let arguments: Vec<String> = arguments
-        .map(|a| quote(a.to_string_lossy().into_owned()))
-        .collect();
-    format!("{program} {}", arguments.join(" "))
+    let words: Vec<String> = words.iter().map(quote).collect();
+    format!("{program} {}", words.join(" "))
 }
 
 /// Splits the command line of a record into words, without the program.

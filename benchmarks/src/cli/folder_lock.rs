@@ -6,6 +6,7 @@
 use super::refusal::Refusal;
 use super::terminal;
 use crate::experiment::machine;
+use crate::messages::Messages;
 use serde::{Deserialize, Serialize};
 use std::fs::{self, File, TryLockError};
 use std::io::{self, ErrorKind, Read, Seek, Write};
@@ -55,7 +56,7 @@ impl FolderLock {
     /// # Errors
     /// [`Refusal::Input`] with the owner where another process has it, [`Refusal::Files`] where the folder cannot be
     /// written to.
-    pub fn take(folder: &Path) -> Result<Self, Refusal> {
+    pub fn take(messages: &Messages, folder: &Path) -> Result<Self, Refusal> {
         let path = folder.join(LOCK);
         let fail = |e: io::Error| Refusal::Files(format!("{}: {e}", path.display()));
         loop {
@@ -73,7 +74,7 @@ impl FolderLock {
                 Ok(()) => {}
                 Err(TryLockError::WouldBlock) => return Err(locked_refusal(folder, &mut file)),
                 Err(TryLockError::Error(e)) if e.kind() == ErrorKind::Unsupported => {
-                    terminal::warn(&format!(
+                    messages.warn(&format!(
                         "{}: this file system has no locks; let one process at a time write there",
                         folder.display()
                     ));
@@ -158,9 +159,9 @@ mod tests {
     fn a_folder_has_one_owner() {
         let folder = tempfile::tempdir().unwrap();
         for _ in 0..3 {
-            let lock = FolderLock::take(folder.path()).unwrap();
+            let lock = FolderLock::take(&Messages::default(), folder.path()).unwrap();
             // Another open file of this process is as that of another process.
-            let refusal = FolderLock::take(folder.path()).unwrap_err();
+            let refusal = FolderLock::take(&Messages::default(), folder.path()).unwrap_err();
             let text = format!("{:?}", refusal.into_report().1);
             let pid = format!("process {}", std::process::id());
             assert!(text.contains(&pid), "{text}");
@@ -169,6 +170,6 @@ mod tests {
         }
         // The file of a killed process is no lock.
         fs::write(folder.path().join(LOCK), "{\"pid\":1}").unwrap();
-        FolderLock::take(folder.path()).unwrap();
+        FolderLock::take(&Messages::default(), folder.path()).unwrap();
     }
 }

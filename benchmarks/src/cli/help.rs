@@ -1,8 +1,10 @@
 //! The command `gearbench help`: commands in groups, help of one command, and the embedded documents.
 
 use super::command_result::CommandResult;
-use super::terminal::{self, OutputForm, Refusal};
+use super::terminal::Refusal;
 use super::{Cli, Command};
+use crate::context::Context;
+use crate::messages::OutputForm;
 use crate::scene_file::did_you_mean;
 use clap::{Args, CommandFactory, Subcommand};
 
@@ -94,7 +96,7 @@ pub(super) fn template() -> String {
 }
 
 /// Prints a document or the help of a command.
-pub(super) fn run(args: &Help) -> Result<CommandResult, Refusal> {
+pub(super) fn run(context: &Context, args: &Help) -> Result<CommandResult, Refusal> {
     let mut program = Cli::command();
     program.build();
     let text = match args.topic.as_deref() {
@@ -109,8 +111,8 @@ pub(super) fn run(args: &Help) -> Result<CommandResult, Refusal> {
             }
         }
     };
-    if terminal::manner() != OutputForm::Json {
-        terminal::print_text(text.trim_end());
+    if context.messages.form != OutputForm::Json {
+        context.messages.print_text(text.trim_end());
     }
     Ok(CommandResult::done().with("text", text))
 }

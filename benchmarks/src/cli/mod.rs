@@ -20,8 +20,14 @@ pub mod study_folder;
 pub mod terminal;
 pub(crate) mod values;
 
-use crate::experiment::{interruption, machine};
+use crate::context::Context;
+use crate::experiment::machine;
 use crate::fmu::{self, arguments::Fmu};
+use crate::messages::OutputForm;
+use crate::studies::scan::{
+    arguments::{Merge, Scan},
+    merge,
+};
 use crate::tools::completions::{self, Completions};
 use crate::tools::mesh::{self, arguments::Mesh};
 use crate::tools::reduce::{self, arguments::Reduce};
@@ -32,13 +38,13 @@ use clap::error::ErrorKind;
 use clap::{ArgMatches, CommandFactory, FromArgMatches, Parser, Subcommand};
 use command_result::CommandResult;
 use exit::Exit;
-use gearbench_reference::limits;
+use gearbench_reference::limits::Memory;
 use help::Help;
 use std::ffi::OsString;
 use std::process::ExitCode;
 use std::sync::OnceLock;
 use study_command::StudyCommand;
-use terminal::{OutputForm, Refusal};
+use terminal::Refusal;
 use values::{DEFAULT_MEMORY, gigabytes};
 
 /// The text after the options of `--help`: examples and exit codes.
@@ -133,6 +139,8 @@ pub(crate) enum Command {
     Help(Help),
     /// Rewrite the report of a results folder
     Report(Report),
+    /// Join the parts of a scan that were run with --shard
+    Merge(Merge),
     /// Repeat a study from its record and compare the results
     Rerun(Rerun),
     /// Print a script that completes commands and options in a shell
@@ -141,31 +149,34 @@ pub(crate) enum Command {
 
 impl Command {
     /// Runs the command; records store the command line `command_line`.
-    fn run(self, told: &str) -> Result<CommandResult, Refusal> {
+    fn run(self, context: &Context, told: &str) -> Result<CommandResult, Refusal> {
         match self {
-            Command::Init(args) => init::run(&args),
-            Command::Study(study) => study.run(told),
-            Command::Mesh(args) => mesh::run(&args, told),
-            Command::Reduce(args) => reduce::run(&args),
-            Command::Reference(args) => reference::run(&args, told),
-            Command::Fmu(args) => fmu::command::run(&args),
-            Command::List(args) => list::run(&args),
-            Command::Help(args) => help::run(&args),
-            Command::Report(args) => report::run(&args),
-            Command::Rerun(args) => again(&args),
-            Command::Completions(args) => completions::run(&args),
+            Command::Init(args) => init::run(context, &args),
+            Command::Study(study) => study.run(context, told),
+            Command::Mesh(args) => mesh::run(context, &args, told),
+            Command::Reduce(args) => reduce::run(context, &args),
+            Command::Reference(args) => reference::run(context, &args, told),
+            Command::Fmu(args) => fmu::command::run(context, &args),
+            Command::List(args) => list::run(context, &args),
+            Command::Help(args) => help::run(context, &args),
+            Command::Report(args) => report::run(context, &args),
+            Command::Merge(args) => merge::run(context, &args),
+            Command::Rerun(args) => again(context, &args),
+            Command::Completions(args) => completions::run(context, &args),
         }
     }
 }
 
-/// Parses the command line, runs the command and returns its exit code.
-pub fn main() -> ExitCode {
-    if let Err(e) = interruption::catch() {
-        terminal::warn(&format!("signals cannot be caught: {e}"));
+/// Parses the command line, runs the command in a context and returns its exit code.
+pub fn main(context: Context) -> ExitCode {
+    if let Err(e) = context.interruption.catch_signals() {
+        context
+            .messages
+            .warn(&format!("signals cannot be caught: {e}"));
     }
     match Cli::read(std::env::args_os()) {
-        Ok(cli) => run(cli),
-        Err(e) => refuse(&e),
+        Ok(cli) => run(context, cli),
+        Err(e) => refuse(context, &e),
     }
 }
 
@@ -204,27 +215,49 @@ fn models_of(command_line: &str) -> Option<Option<String>> {
     }
 }
 
-/// Runs a command and reports how it ended.
-pub fn run(cli: Cli) -> ExitCode {
-    terminal::choose(match (cli.json, cli.quiet) {
+/// The command of a whole scan, and its arguments, from the command of a part of it; `None` if it is not readable.
+pub(crate) fn whole_scan(of_part: &str) -> Option<(String, Scan)> {
+    let mut words = command_line::split(of_part);
+    for option in ["--shard", "--out"] {
+        let with_value = |w: &String| {
+            w.strip_prefix(option)
+                .is_some_and(|rest| rest.starts_with('='))
+        };
+        words.retain(|w| !with_value(w));
+        if let Some(i) = words.iter().position(|w| w == option) {
+            words.drain(i..(i + 2).min(words.len()));
+        }
+    }
+    let all = std::iter::once("gearbench".to_owned()).chain(words.iter().cloned());
+    match Cli::read(all).ok()?.command? {
+        Command::Study(StudyCommand::Scan(args)) => {
+            Some((command_line::join("gearbench", &words), *args))
+        }
+        _ => None,
+    }
+}
+
+/// Runs a command in a context and reports how it ended.
+pub fn run(mut context: Context, cli: Cli) -> ExitCode {
+    context.messages.form = match (cli.json, cli.quiet) {
         (true, _) => OutputForm::Json,
         (_, true) => OutputForm::Quiet,
         _ => OutputForm::Lines,
-    });
-    // Before anything is read or built: estimates are compared with it from the first file on.
-    limits::set_memory(cli.memory * 1e9);
-    let told = terminal::command_line("gearbench");
-    let done = match cli.command {
-        None => StudyCommand::default().run("gearbench"),
-        Some(command) => command.run(&told),
     };
-    terminal::end(&told, done)
+    // Before anything is read or built: estimates are compared with it from the first file on.
+    context.resources.memory = Memory::of(cli.memory * 1e9);
+    let told = terminal::command_line("gearbench");
+    let done = (context.resources).within(|| match cli.command {
+        None => StudyCommand::default().run(&context, "gearbench"),
+        Some(command) => command.run(&context, &told),
+    });
+    terminal::end(&context, &told, done)
 }
 
 /// Repeats a study from its record. As a record is external input, its command has to be the study of the record, and
 /// all output of the study goes into the given folder.
-fn again(args: &Rerun) -> Result<CommandResult, Refusal> {
-    let again = rerun::prepare(args)?;
+fn again(context: &Context, args: &Rerun) -> Result<CommandResult, Refusal> {
+    let again = rerun::prepare(context, args)?;
     let shown = again.command();
     let refuse = |help: String| {
         Refusal::Input(miette::miette!(
@@ -255,18 +288,24 @@ fn again(args: &Rerun) -> Result<CommandResult, Refusal> {
             again.study()
         ))
     })?;
-    let answer = study.confined_to(again.out.clone()).run(shown)?;
-    again.compare(answer)
+    let context = Context {
+        rerun: Some(again.source.clone()),
+        ..context.clone()
+    };
+    let answer = study.confined_to(again.out.clone()).run(&context, shown)?;
+    again.compare(&context, answer)
 }
 
 /// Prints the requested help, or an error in the arguments in the form of all refusals.
-fn refuse(e: &clap::Error) -> ExitCode {
+fn refuse(mut context: Context, e: &clap::Error) -> ExitCode {
     if !e.use_stderr() {
-        terminal::print_text(e.render().to_string().trim_end());
-        return terminal::end("", Ok(CommandResult::done()));
+        context
+            .messages
+            .print_text(e.render().to_string().trim_end());
+        return terminal::end(&context, "", Ok(CommandResult::done()));
     }
     if std::env::args_os().any(|a| a == "--json") {
-        terminal::choose(OutputForm::Json);
+        context.messages.form = OutputForm::Json;
     }
     let text = e.render().to_string();
     let mut parts = text.split("\n\n").map(str::trim).filter(|p| !p.is_empty());
@@ -275,6 +314,7 @@ fn refuse(e: &clap::Error) -> ExitCode {
     let help: Vec<&str> = parts.collect();
     let report = miette::miette!(help = help.join("\n"), "{message}");
     terminal::end(
+        &context,
         &terminal::command_line("gearbench"),
         Err(Refusal::Input(report)),
     )

@@ -143,7 +143,7 @@ fn ticker(known: &Arc<Mutex<ProgressState>>, begin: Instant) -> (Sender<()>, Joi
     let known = known.clone();
     let thread = std::thread::spawn(move || {
         while stopped.recv_timeout(EVERY) == Err(RecvTimeoutError::Timeout) {
-            super::terminal::print_error(&lock(&known).line(begin.elapsed()));
+            crate::messages::print_error(&lock(&known).line(begin.elapsed()));
         }
     });
     (stop, thread)

@@ -5,6 +5,7 @@
 use super::arguments::Output;
 use super::command_result::CommandResult;
 use super::refusal::Refusal;
+use crate::context::Context;
 use crate::studies::check::{self, arguments::Check};
 use crate::studies::choose::{self, arguments::Choose};
 use crate::studies::compare::{self, arguments::Compare};
@@ -15,6 +16,7 @@ use crate::studies::penalty::{self, arguments::Penalty};
 use crate::studies::precision::{self, arguments::Precision};
 use crate::studies::response::{self, arguments::Response};
 use crate::studies::run_up::{self, arguments::RunUp};
+use crate::studies::scan::{self, arguments::Scan};
 use crate::studies::stability::{self, arguments::Stability};
 use crate::studies::stiffness::{self, arguments::Stiffness};
 use crate::studies::sweep::{self, arguments::Sweep};
@@ -52,6 +54,8 @@ pub(crate) enum StudyCommand {
     Coupling(Coupling),
     /// Run through a range of speed: spectra and orders over the speed, resonances
     RunUp(RunUp),
+    /// Run many scenes that differ in some keys: grids, samples, sensitivity indices
+    Scan(Box<Scan>),
     /// Compare results, work and runtime of selected runs with a stored baseline, for CI
     Check(Check),
 }
@@ -65,22 +69,27 @@ impl Default for StudyCommand {
 
 impl StudyCommand {
     /// Runs the study; its record stores the command line.
-    pub(super) fn run(&self, command_line: &str) -> Result<CommandResult, Refusal> {
+    pub(super) fn run(
+        &self,
+        context: &Context,
+        command_line: &str,
+    ) -> Result<CommandResult, Refusal> {
         match self {
-            StudyCommand::Compare(args) => compare::command::run(args, command_line),
-            StudyCommand::Precision(args) => precision::command::run(args, command_line),
-            StudyCommand::Stability(args) => stability::command::run(args, command_line),
-            StudyCommand::Choose(args) => choose::command::run(args, command_line),
-            StudyCommand::Identify(args) => identify::command::run(args, command_line),
-            StudyCommand::Stiffness(args) => stiffness::command::run(args, command_line),
-            StudyCommand::Truncation(args) => truncation::command::run(args, command_line),
-            StudyCommand::Modes(args) => modes::command::run(args, command_line),
-            StudyCommand::Response(args) => response::command::run(args, command_line),
-            StudyCommand::Penalty(args) => penalty::command::run(args, command_line),
-            StudyCommand::Sweep(args) => sweep::command::run(args, command_line),
-            StudyCommand::Coupling(args) => coupling::command::run(args, command_line),
-            StudyCommand::RunUp(args) => run_up::command::run(args, command_line),
-            StudyCommand::Check(args) => check::command::run(args, command_line),
+            StudyCommand::Compare(args) => compare::command::run(context, args, command_line),
+            StudyCommand::Precision(args) => precision::command::run(context, args, command_line),
+            StudyCommand::Stability(args) => stability::command::run(context, args, command_line),
+            StudyCommand::Choose(args) => choose::command::run(context, args, command_line),
+            StudyCommand::Identify(args) => identify::command::run(context, args, command_line),
+            StudyCommand::Stiffness(args) => stiffness::command::run(context, args, command_line),
+            StudyCommand::Truncation(args) => truncation::command::run(context, args, command_line),
+            StudyCommand::Modes(args) => modes::command::run(context, args, command_line),
+            StudyCommand::Response(args) => response::command::run(context, args, command_line),
+            StudyCommand::Penalty(args) => penalty::command::run(context, args, command_line),
+            StudyCommand::Sweep(args) => sweep::command::run(context, args, command_line),
+            StudyCommand::Coupling(args) => coupling::command::run(context, args, command_line),
+            StudyCommand::RunUp(args) => run_up::command::run(context, args, command_line),
+            StudyCommand::Scan(args) => scan::command::run(context, args, command_line),
+            StudyCommand::Check(args) => check::command::run(context, args, command_line),
         }
     }
 
@@ -100,6 +109,7 @@ impl StudyCommand {
             StudyCommand::Sweep(args) => &mut args.run.output,
             StudyCommand::Coupling(args) => &mut args.run.output,
             StudyCommand::RunUp(args) => &mut args.output,
+            StudyCommand::Scan(args) => &mut args.run.output,
             StudyCommand::Check(args) => &mut args.output,
         }
     }

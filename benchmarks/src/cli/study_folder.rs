@@ -11,17 +11,20 @@ use super::files::{folder_of, is_same};
 use super::folder_lock::FolderLock;
 use super::measured;
 use super::progress::Display;
-use super::terminal::{Refusal, absolute, print_line, warn};
+use super::terminal::{Refusal, absolute};
+use crate::context::Context;
 use crate::experiment::budget::Budget;
 use crate::experiment::conditions::Progress;
 use crate::experiment::configuration::refused;
-use crate::experiment::interruption;
 use crate::experiment::journal::{JOURNAL, Journal, JournalError, Subject};
 use crate::experiment::runner::Runner;
+use crate::messages::Messages;
 use crate::scene_file::SceneFile;
 use gearbench_reports::RECORD;
 use gearbench_reports::measured::MeasuredCurve;
-use gearbench_reports::record::{Part, Results, Run, SCHEMA, Source, Status, damping_differs};
+use gearbench_reports::record::{
+    Part, Results, Run, SCHEMA, Source, Status, StudyHeader, damping_differs,
+};
 use serde::Deserialize;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -38,6 +41,7 @@ const REFUSED_MODEL: &str = "refused";
 
 /// The output folder of a study while the study runs.
 pub struct StudyFolder {
+    context: Context,
     path: PathBuf,
     journal: Option<Journal>,
     /// The outermost folder that was created for this study.
@@ -67,8 +71,13 @@ impl StudyFolder {
     /// # Errors
     /// [`Refusal::Files`] when the folder, or the journal in it, cannot be written; [`Refusal::Input`] when another process
     /// works there, or when it holds the results of another study.
-    pub fn open(output: &Output, scene: &str, study: &str) -> Result<Self, Refusal> {
-        Self::begin(output, (scene, study), None)
+    pub fn open(
+        context: &Context,
+        output: &Output,
+        scene: &str,
+        study: &str,
+    ) -> Result<Self, Refusal> {
+        Self::begin(context, output, (scene, study), None, &[])
     }
 
     /// Opens the folder of a study of a scene, which becomes part of the record.
@@ -76,19 +85,51 @@ impl StudyFolder {
     /// # Errors
     /// As [`StudyFolder::open`], and [`Refusal::Input`] when files that the scene reads are among the results.
     pub fn of(output: &Output, scene: &SceneFile, study: &str) -> Result<Self, Refusal> {
-        Self::begin(output, (&scene.name, study), Some(scene))
+        let (source, inputs) = (Some(scene.source()), scene.inputs());
+        let mut folder = Self::begin(
+            &scene.context,
+            output,
+            (&scene.name, study),
+            source,
+            &inputs,
+        )?;
+        let rows = scene.refused.iter();
+        folder.refused = rows
+            .map(|r| refused(&r.label, &r.model, r.error.to_text()))
+            .collect();
+        Ok(folder)
+    }
+
+    /// Opens the folder of a study that is put together from records with this header.
+    ///
+    /// # Errors
+    /// As [`StudyFolder::open`].
+    pub fn joining(
+        context: &Context,
+        output: &Output,
+        header: &StudyHeader,
+        study: &str,
+    ) -> Result<Self, Refusal> {
+        Self::begin(
+            context,
+            output,
+            (&header.scene, study),
+            header.source.clone(),
+            &[],
+        )
     }
 
     fn begin(
+        context: &Context,
         output: &Output,
         (name, study): (&str, &str),
-        scene: Option<&SceneFile>,
+        source: Option<Source>,
+        inputs: &[PathBuf],
     ) -> Result<Self, Refusal> {
         let measured = output.measured.iter().map(|p| measured::read(p));
         let measured: Vec<Vec<MeasuredCurve>> = measured.collect::<Result<_, _>>()?;
         let path = (output.out.clone()).unwrap_or_else(|| Path::new("out").join(name).join(study));
         let fail = |e: io::Error| Refusal::Files(format!("{}: {e}", path.display()));
-        let source = scene.map(SceneFile::source);
         let subject = Subject {
             study: study.to_owned(),
             scene: source.as_ref().map_or(name, |s| &s.name).to_owned(),
@@ -98,9 +139,10 @@ impl StudyFolder {
         let made = made.map(Path::to_owned);
         std::fs::create_dir_all(&path).map_err(fail)?;
         let mut folder = StudyFolder {
+            context: context.clone(),
             journal: None,
             has_journal: false,
-            lock: Some(FolderLock::take(&path)?),
+            lock: Some(FolderLock::take(&context.messages, &path)?),
             path: path.clone(),
             made,
             source,
@@ -108,7 +150,6 @@ impl StudyFolder {
             refused: Vec::new(),
         };
         remove_staging(&path);
-        let inputs = scene.map(SceneFile::inputs).unwrap_or_default();
         for input in inputs.iter().chain(&output.measured) {
             refuse_input(&path, input)?;
         }
@@ -123,11 +164,7 @@ impl StudyFolder {
             opened => opened?,
         });
         folder.has_journal = true;
-        interruption::defer();
-        let rows = scene.iter().flat_map(|s| &s.refused);
-        folder.refused = rows
-            .map(|r| refused(&r.label, &r.model, r.error.to_text()))
-            .collect();
+        context.interruption.defer();
         Ok(folder)
     }
 
@@ -163,12 +200,12 @@ impl StudyFolder {
     /// Creates the runner of the pieces of the study. The first call hands the journal over to it.
     pub fn runner<'a>(&mut self, progress: Progress<'a>) -> Runner<'a> {
         match self.journal.take() {
-            Some(journal) => Runner::new(journal, progress).announcing(&|pieces| {
-                print_line(&format!(
+            Some(journal) => Runner::new(self.context.clone(), journal, progress).announcing(&|context, pieces| {
+                context.messages.print_line(&format!(
                     "continuing after {pieces} finished pieces of an interrupted study (--fresh repeats all)"
                 ));
             }),
-            None => Runner::default(),
+            None => Runner::of(self.context.clone()),
         }
     }
 
@@ -177,7 +214,7 @@ impl StudyFolder {
     pub fn interrupted(&self) -> Refusal {
         let pieces = pieces(&self.path.join(JOURNAL));
         if pieces > 0 {
-            print_line(&format!(
+            self.context.messages.print_line(&format!(
                 "interrupted: {pieces} finished pieces are stored; the same command continues the study"
             ));
         }
@@ -193,7 +230,7 @@ impl StudyFolder {
         &self,
         mut results: Results,
         exit: impl FnOnce(&Results) -> Exit,
-        summarise: impl FnOnce(&Results),
+        summarise: impl FnOnce(&Messages, &Results),
     ) -> Result<CommandResult, Refusal> {
         let runs = &mut results.runs;
         let nothing_ran = !runs.is_empty() && runs.iter().all(|r| r.status == Status::Refused);
@@ -206,7 +243,7 @@ impl StudyFolder {
             let what = format!("{}: {why}", row.model_label());
             results.settings.push((REFUSED_MODEL.into(), what));
         }
-        let stopped = interruption::requested();
+        let stopped = self.context.interruption.is_requested();
         if stopped {
             let planned = results.runs.len();
             (results.runs).retain(|r| r.status != Status::Interrupted);
@@ -234,17 +271,23 @@ impl StudyFolder {
             .map_err(|e| Refusal::Files(e.to_string()))?;
         // They are in files of their own now, and as values of an answer they would take many times their memory.
         results.runs.iter_mut().for_each(|r| r.histories = None);
-        summarise(&results);
-        describe_mesh_modes(&results);
+        summarise(&self.context.messages, &results);
+        self.describe_mesh_modes(&results);
         for line in gearbench_reports::measured_lines(&results).unwrap_or_default() {
-            print_line(&line);
+            self.context.messages.print_line(&line);
         }
         if let Some((_, what)) = results.settings.last().filter(|_| stopped) {
-            print_line(&format!("interrupted: {what}"));
+            self.context
+                .messages
+                .print_line(&format!("interrupted: {what}"));
         }
         let [record, page] = [self.path.join(RECORD), page].map(absolute);
-        print_line(&format!("record: {}", record.display()));
-        print_line(&format!("report: {}", page.display()));
+        self.context
+            .messages
+            .print_line(&format!("record: {}", record.display()));
+        self.context
+            .messages
+            .print_line(&format!("report: {}", page.display()));
         self.close();
         let answer = (CommandResult::of(&results).with("record", &record)).with("report", &page);
         Ok(answer.ending(match (stopped, self.refused.is_empty()) {
@@ -253,6 +296,20 @@ impl StudyFolder {
             // Some of the requested models could not run.
             (false, false) => Exit::FailedRun,
         }))
+    }
+
+    /// Prints the damping of the mesh mode of each model, and a warning if models differ in it.
+    fn describe_mesh_modes(&self, results: &Results) {
+        for mode in &results.mesh_modes {
+            self.context.messages.print_line(&format!(
+                "mesh mode of {}: {}",
+                mode.label,
+                mode.to_text()
+            ));
+        }
+        if let Some(text) = damping_differs(&results.mesh_modes) {
+            self.context.messages.warn(&text);
+        }
     }
 
     /// Returns a refusal; after bad input it removes the journal, as nothing is worth continuing.
@@ -265,7 +322,7 @@ impl StudyFolder {
 
     /// Ends the study: removes the journal, unless the study was interrupted.
     pub fn close(&self) {
-        if !interruption::requested() {
+        if !self.context.interruption.is_requested() {
             // A journal that cannot be removed is taken up by the next start, with the same results.
             let _ = std::fs::remove_file(self.path.join(JOURNAL));
         }
@@ -287,16 +344,6 @@ fn none_can_run(rows: &[Run]) -> Refusal {
         "none of the models can run: {}",
         reasons.join("; ")
     ))
-}
-
-/// Prints the damping of the mesh mode of each model, and a warning if models differ in it.
-fn describe_mesh_modes(results: &Results) {
-    for mode in &results.mesh_modes {
-        print_line(&format!("mesh mode of {}: {}", mode.label, mode.to_text()));
-    }
-    if let Some(text) = damping_differs(&results.mesh_modes) {
-        warn(&text);
-    }
 }
 
 impl Drop for StudyFolder {

@@ -2,10 +2,9 @@
 
 use super::machine;
 use super::run::{Job, NO_BOUND};
-use crate::models::models;
+use crate::context::Context;
 use crate::scene_file::SceneFile;
 use gearbench_integrators::Scheme;
-use gearbench_models::gear::table::Model;
 use gearbench_models::spec::{Modelling, SceneSpec};
 use gearbench_reference::data::{Channel, Quantity, Reference};
 use gearbench_reports::record::{Part, Results};
@@ -13,7 +12,9 @@ use std::time::Duration;
 
 /// Conditions that all runs of a study share: duration, sampling, event location, bounds of time and steps.
 #[derive(Clone, Debug)]
-pub struct Conditions<'a> {
+pub struct Conditions {
+    /// The context of the scene.
+    pub context: Context,
     /// Name of the scene.
     pub name: String,
     /// Title of the study in one line.
@@ -22,8 +23,6 @@ pub struct Conditions<'a> {
     pub command: String,
     /// Name and value of each setting that the report lists.
     pub settings: Vec<(String, String)>,
-    /// The table of gear models.
-    pub models: &'a [Model],
     /// End of the simulated time [s].
     pub duration: f64,
     /// Number of samples of the histories over the duration.
@@ -52,15 +51,15 @@ pub fn even(samples: usize, end: f64) -> Vec<f64> {
     (0..=n).map(|i| end * i as f64 / n as f64).collect()
 }
 
-impl Conditions<'static> {
+impl Conditions {
     /// The conditions of a scene: one timed repeat, no bound on processor time or steps.
     pub fn of(scene: &SceneFile) -> Self {
         Conditions {
+            context: scene.context.clone(),
             name: scene.name.clone(),
             title: scene.title.clone(),
             command: String::new(),
             settings: Vec::new(),
-            models: models(),
             duration: scene.duration,
             samples: scene.study.samples,
             torques: false,
@@ -70,9 +69,6 @@ impl Conditions<'static> {
             max_steps: u64::MAX,
         }
     }
-}
-
-impl Conditions<'_> {
     /// Also records the torques and further transmission errors that some reference contains, for comparison with it.
     #[must_use]
     pub fn compared_with<'r>(
@@ -104,13 +100,14 @@ impl Conditions<'_> {
         Job {
             scene,
             modelling,
-            models: self.models,
+            context: &self.context,
             method,
             t_end: self.duration,
             grid,
             also_steps: true,
             forces: false,
             torques: self.torques,
+            paths: false,
             histories: false,
             pictures: None,
             events: self.events,

@@ -1,4 +1,5 @@
 use super::*;
+use crate::context::Context;
 use crate::experiment::configuration::Configuration;
 use crate::experiment::runner::Runner;
 use crate::models::models;
@@ -75,7 +76,14 @@ start = { flank = "left", gap_m = 1e-6 }
 model = "rigid"
 contact = { stiffness = "iso6336", slices = 10 }
 "#;
-    let scene = SceneFile::unbuilt("slices.toml", text, Origin::Shipped, false).unwrap();
+    let scene = SceneFile::unbuilt(
+        &Context::default(),
+        "slices.toml",
+        text,
+        Origin::Shipped,
+        false,
+    )
+    .unwrap();
     let run = run_of(&scene, DOPRI5.at_tolerance(1e-6));
     let picture = run.contacts.as_ref().unwrap();
     let load = &picture.flanks[0];

@@ -1,5 +1,6 @@
 //! Parallel execution of independent pieces of work.
 
+use gearbench_reference::resources::Resources;
 use std::panic::resume_unwind;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -25,9 +26,10 @@ pub fn in_parallel<T: Sync, E: Send>(
         }
         Ok(())
     };
+    let own = Resources::own();
     std::thread::scope(|scope| {
         let all: Vec<_> = (0..threads.min(items.len()))
-            .map(|_| scope.spawn(one))
+            .map(|_| scope.spawn(|| own.within(one)))
             .collect();
         all.into_iter()
             .map(|thread| thread.join().unwrap_or_else(|panic| resume_unwind(panic)))

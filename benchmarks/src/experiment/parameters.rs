@@ -66,12 +66,13 @@ fn numbers(contact: &ContactSpec, gap: f64) -> impl Iterator<Item = (&'static st
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::context::Context;
     use crate::scene_file::{Selection, load_for};
 
     /// Tooth stiffness and mass are in the record with all their digits.
     #[test]
     fn constants_of_teeth_are_numbers() {
-        let scene = load_for("spur_impact", Selection::None).unwrap();
+        let scene = load_for(&Context::default(), "spur_impact", Selection::None).unwrap();
         let choice = scene.model("movable-teeth").unwrap();
         let spec = scene.spec_for(choice);
         let all = parameters(&spec, &choice.modelling);

@@ -72,16 +72,18 @@ fn work(torque: &[f64], angle: &[f64], from: usize) -> f64 {
     turns.zip(means).map(|(turn, torque)| turn * torque).sum()
 }
 
-/// Computes the torque paths of a scene with more than one mesh, or with shafts.
+/// True if a scene has several paths of torque: more than one mesh, or shafts.
+pub fn has_train(spec: &SceneSpec) -> bool {
+    spec.meshes.len() > 1 || !spec.shafts.is_empty()
+}
+
+/// Computes the torque paths of a scene; `None` for a run that ended too early.
 pub fn torque_paths(
     spec: &SceneSpec,
     scene: &Scene,
     history: &History,
     ledger: &Ledger,
 ) -> Option<TorquePaths> {
-    if spec.meshes.len() < 2 && spec.shafts.is_empty() {
-        return None;
-    }
     let finite = |row: &usize| history.rows[*row].iter().all(|x| x.is_finite());
     let rows: Vec<usize> = (history.on_grid.iter().copied())
         .take_while(finite)

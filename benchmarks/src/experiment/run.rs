@@ -4,24 +4,23 @@ use super::contact_log::ContactLog;
 pub use super::error::RunError;
 use super::flanks::{deformed_sections, flank_loads};
 use super::history::History;
-use super::interruption;
 use super::key::Key;
 use super::machine::cpu_time;
 use super::monitored_observer::MonitoredObserver;
 use super::parameters::parameters;
-use super::paths::torque_paths;
+use super::paths::{has_train, torque_paths};
 use super::pictures::Pictures;
 use super::record::{
     histories, ledger_record, momenta, reduction, sampled_impulse, snapshot, time_series,
 };
 use super::status::RunMonitor;
+use crate::context::Context;
 use crate::experiment::small_signals::assemble;
 use gearbench_integrators::modal::resonance::{resonances, safe_step};
 use gearbench_integrators::system::{SecondOrderSystem, State};
 use gearbench_integrators::{
     Integrator, NullSink, Resolution, Scheme, Sink, StepError, TimePlan, Work, integration_time,
 };
-use gearbench_models::gear::table::Model;
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{Modelling, SceneSpec};
 use gearbench_reference::limits;
@@ -50,8 +49,8 @@ pub struct Job<'a> {
     pub scene: &'a SceneSpec,
     /// Models of gears and contacts.
     pub modelling: &'a Modelling,
-    /// The table of gear models.
-    pub models: &'a [Model],
+    /// The context of the scene.
+    pub context: &'a Context,
     /// Integration method with its step or tolerance.
     pub method: &'a Scheme,
     /// End of the simulated time [s].
@@ -65,6 +64,8 @@ pub struct Job<'a> {
     /// True if torques and further transmission errors are recorded, which references may contain besides forces and
     /// speeds.
     pub torques: bool,
+    /// True if the paths of torque and power are computed, also of a pair without shafts.
+    pub paths: bool,
     /// True if the data of the history files are stored.
     pub histories: bool,
     /// Frames for ParaView, if requested.
@@ -85,7 +86,7 @@ impl Job<'_> {
         Key::new("run")
             .and_scene(self.scene, self.modelling)
             .and(&(self.method, self.t_end, self.grid, self.also_steps))
-            .and(&(self.forces, self.torques, self.histories))
+            .and(&(self.forces, self.torques, self.paths, self.histories))
             .and(&self.pictures)
             .and(&(self.events, self.repeats))
             .and(&(self.timeout, self.max_steps))
@@ -98,7 +99,7 @@ impl Job<'_> {
             events: self.events,
             max_steps: self.max_steps,
             time_limit: (self.timeout < NO_BOUND).then_some(self.timeout),
-            cancel: Some(interruption::flag()),
+            cancel: Some(self.context.interruption.flag()),
         }
     }
 }
@@ -170,7 +171,7 @@ pub fn run(job: &Job<'_>) -> Result<Run, RunError> {
 /// microseconds is too noisy.
 pub fn run_timed(job: &Job<'_>, together: Duration) -> Result<Run, RunError> {
     let started = Instant::now();
-    let mut scene = assemble(job.scene, job.modelling, job.models)?;
+    let mut scene = assemble(job.scene, job.modelling, &job.context.models)?;
     let setup = started.elapsed();
     timed_in(job, &mut scene, setup, together)
 }
@@ -232,7 +233,7 @@ fn timed_from(
         limits::check(what, dense_bytes(n), way_out)?;
     }
     check_histories(job, scene)?;
-    if interruption::requested() {
+    if job.context.interruption.is_requested() {
         return Err(RunError::Interrupted);
     }
 
@@ -313,7 +314,7 @@ fn timed_from(
         times.push(begin.read(Duration::ZERO));
     }
     // A repeat that was cut short is no time.
-    if interruption::requested() {
+    if job.context.interruption.is_requested() {
         return Err(RunError::Interrupted);
     }
     let repeats = times.len() as u32;
@@ -375,7 +376,7 @@ fn timed_from(
         }),
         series: Some(series),
         histories: job.histories.then(|| histories(job, scene, history)),
-        paths: (job.histories)
+        paths: (job.paths || (job.histories && has_train(job.scene)))
             .then(|| torque_paths(job.scene, scene, history, ledger))
             .flatten(),
         ..reduction(scene, job.modelling)
@@ -394,6 +395,7 @@ pub fn bare<'j>(job: &'j Job<'_>, scene: &'j mut Scene) -> impl FnMut() + 'j {
 
 /// Integrates without timing and status, and returns the force at the sampling times, for fits [N].
 pub fn force_on_grid(
+    context: &Context,
     scene: &mut Scene,
     method: &mut dyn Integrator,
     resolution: Resolution,
@@ -405,7 +407,7 @@ pub fn force_on_grid(
     let end = grid.last().copied().unwrap_or(0.0);
     let plan = TimePlan {
         max_steps,
-        cancel: Some(interruption::flag()),
+        cancel: Some(context.interruption.flag()),
         ..TimePlan::new(end, resolution)
     };
     let sink: &mut dyn Sink = &mut history;

@@ -6,12 +6,11 @@
 use super::budget::Budget;
 use super::conditions::{Progress, silent};
 use super::error::ModelRefusal;
-use super::interruption;
 use super::journal::{Journal, JournalError};
 use super::key::Key;
 use super::parallel::lock;
+use crate::context::Context;
 use gearbench_integrators::Scheme;
-use gearbench_reference::limits;
 use gearbench_reports::force::ForceHistory;
 use gearbench_reports::record::{Run, Status};
 use gearbench_reports::series::TimeSeries;
@@ -24,7 +23,7 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Callback that receives the number of finished pieces that an interrupted start left in the journal.
-pub type ResumeCallback<'a> = &'a (dyn Fn(usize) + Sync);
+pub type ResumeCallback<'a> = &'a (dyn Fn(&Context, usize) + Sync);
 
 /// Number of pieces that were taken from the journal.
 #[derive(Debug, Default)]
@@ -35,6 +34,7 @@ struct ResumedPieces {
 
 /// Runs the pieces of a study.
 pub struct Runner<'a> {
+    context: Context,
     journal: Option<Mutex<Journal>>,
     progress: Progress<'a>,
     /// Memory of the rows that the study keeps to its end [bytes].
@@ -48,7 +48,8 @@ pub struct Runner<'a> {
 impl Drop for Runner<'_> {
     fn drop(&mut self) {
         self.announce();
-        limits::release(*self.kept.get_mut());
+        let kept = *self.kept.get_mut();
+        self.context.resources.memory.release(kept);
     }
 }
 
@@ -62,29 +63,30 @@ impl fmt::Debug for Runner<'_> {
 }
 
 impl Default for Runner<'_> {
-    /// A runner without journal, progress output and time budget.
+    /// A runner in a context of its own.
     fn default() -> Self {
-        Runner {
-            journal: None,
-            progress: &silent,
-            kept: AtomicU64::new(0),
-            budget: Budget::unlimited(),
-            resumed: Mutex::default(),
-            announce: &|_| {},
-        }
+        Self::of(Context::default())
     }
 }
 
 impl<'a> Runner<'a> {
     /// A runner that stores finished pieces in a journal.
-    pub fn new(journal: Journal, progress: Progress<'a>) -> Self {
+    pub fn new(context: Context, journal: Journal, progress: Progress<'a>) -> Self {
+        let mut runner = Self::of(context);
+        (runner.journal, runner.progress) = (Some(Mutex::new(journal)), progress);
+        runner
+    }
+
+    /// A runner without journal, progress output and time budget.
+    pub fn of(context: Context) -> Self {
         Runner {
-            journal: Some(Mutex::new(journal)),
-            progress,
+            context,
+            journal: None,
+            progress: &silent,
             kept: AtomicU64::new(0),
             budget: Budget::unlimited(),
             resumed: Mutex::default(),
-            announce: &|_| {},
+            announce: &|_, _| {},
         }
     }
 
@@ -103,7 +105,7 @@ impl<'a> Runner<'a> {
             if first { resumed.pieces } else { 0 }
         };
         if pieces > 0 {
-            (self.announce)(pieces);
+            (self.announce)(&self.context, pieces);
         }
     }
 
@@ -112,6 +114,11 @@ impl<'a> Runner<'a> {
     pub fn within(mut self, budget: Budget) -> Self {
         self.budget = budget;
         self
+    }
+
+    /// True if no further piece is to begin.
+    pub fn is_interrupted(&self) -> bool {
+        self.context.interruption.is_requested()
     }
 
     /// The budget of processor time of the study.
@@ -127,7 +134,7 @@ impl<'a> Runner<'a> {
     /// Subtracts the memory of a row that the study keeps from the memory for further runs.
     pub fn reserve_memory(&self, row: &Run) {
         let bytes = 8 * numbers_of(row) as u64;
-        limits::reserve(bytes);
+        self.context.resources.memory.reserve(bytes);
         self.kept.fetch_add(bytes, Ordering::Relaxed);
     }
 
@@ -233,12 +240,27 @@ impl<'a> Runner<'a> {
         if let Some(found) = self.finished(key)? {
             return Ok(found);
         }
-        match attempt(make) {
+        match self.attempt(make) {
             Ok(row) => Ok(self.store(key, row)?),
             Err(e) => {
                 let (status, why) = e.row()?;
                 Ok(not_made(status, why))
             }
+        }
+    }
+
+    /// Runs the work on one model, isolated so that its errors and panics do not end other work.
+    ///
+    /// # Errors
+    /// [`WorkError`].
+    pub fn attempt<T, E>(&self, make: impl FnOnce() -> Result<T, E>) -> Result<T, WorkError<E>> {
+        if self.is_interrupted() {
+            return Err(WorkError::Interrupted);
+        }
+        match catch_unwind(AssertUnwindSafe(make)) {
+            Ok(Err(_)) if self.is_interrupted() => Err(WorkError::Interrupted),
+            Ok(made) => made.map_err(WorkError::Error),
+            Err(panic) => Err(WorkError::Panic(failure(&*panic))),
         }
     }
 }
@@ -271,21 +293,6 @@ impl<E: ModelRefusal> WorkError<E> {
             },
             WorkError::Panic(why) => Ok((Status::Aborted, why)),
         }
-    }
-}
-
-/// Runs the work on one model, isolated so that its errors and panics do not end other work.
-///
-/// # Errors
-/// [`WorkError`].
-pub fn attempt<T, E>(make: impl FnOnce() -> Result<T, E>) -> Result<T, WorkError<E>> {
-    if interruption::requested() {
-        return Err(WorkError::Interrupted);
-    }
-    match catch_unwind(AssertUnwindSafe(make)) {
-        Ok(Err(_)) if interruption::requested() => Err(WorkError::Interrupted),
-        Ok(made) => made.map_err(WorkError::Error),
-        Err(panic) => Err(WorkError::Panic(failure(&*panic))),
     }
 }
 
@@ -329,7 +336,7 @@ mod tests {
         let method = RK4.at_step(1e-6);
         let [good, bad] = [Key::new("good"), Key::new("bad")];
         for start in 0..2 {
-            let runner = Runner::new(open(), &silent);
+            let runner = Runner::new(Context::default(), open(), &silent);
             let row = runner.row(good, &method, || {
                 assert_eq!(start, 0, "made again");
                 Ok::<_, RunError>(Run {
@@ -361,16 +368,22 @@ mod tests {
             }
         };
         make(
-            &Runner::new(open(), &silent),
+            &Runner::new(Context::default(), open(), &silent),
             &["a", "b", "of another scene"],
         );
         for pieces in [&["a", "b", "c", "d"] as &[&str], &["b", "a"]] {
             let announced = Mutex::new(Vec::new());
-            let announce = |n| lock(&announced).push(n);
-            make(&Runner::new(open(), &silent).announcing(&announce), pieces);
+            let announce = |_: &Context, n| lock(&announced).push(n);
+            make(
+                &Runner::new(Context::default(), open(), &silent).announcing(&announce),
+                pieces,
+            );
             assert_eq!(*lock(&announced), [2]);
         }
-        let none = |_| panic!("nothing was taken up");
-        make(&Runner::new(open(), &silent).announcing(&none), &["e"]);
+        let none = |_: &Context, _| panic!("nothing was taken up");
+        make(
+            &Runner::new(Context::default(), open(), &silent).announcing(&none),
+            &["e"],
+        );
     }
 }

@@ -6,7 +6,8 @@ use super::package::Package;
 use super::settings::SETTINGS;
 use crate::cli::command_result::CommandResult;
 use crate::cli::files::{ReplaceableFiles, write_whole};
-use crate::cli::terminal::{Refusal, absolute, print_line, refuse_run};
+use crate::cli::terminal::{Refusal, absolute, refuse_run};
+use crate::context::Context;
 use crate::experiment::run::RunError;
 use crate::fmu::coupled::Coupled;
 use crate::scene_file::{self, ModelChoice, SceneError, SceneFile, Selection};
@@ -18,8 +19,8 @@ fn bad(why: impl Into<String>, help: impl Into<String>) -> Refusal {
 }
 
 /// Packs a model of a scene as an FMU and writes the file.
-pub fn run(args: &Fmu) -> Result<CommandResult, Refusal> {
-    let scene = scene_file::load_for(&args.scene, Selection::None)?;
+pub fn run(context: &Context, args: &Fmu) -> Result<CommandResult, Refusal> {
+    let scene = scene_file::load_for(context, &args.scene, Selection::None)?;
     let choice = choice(args, &scene)?;
     let path = (args.out.clone()).unwrap_or_else(|| format!("{}.fmu", scene.name).into());
     let mut inputs = scene.inputs();
@@ -46,8 +47,12 @@ pub fn run(args: &Fmu) -> Result<CommandResult, Refusal> {
     let archive = package.archive().map_err(fail)?;
     write_whole(&path, archive).map_err(fail)?;
     let path = absolute(path);
-    print_line(&format!("written: {}", path.display()));
-    print_line(&summary_line(&coupled.interface));
+    context
+        .messages
+        .print_line(&format!("written: {}", path.display()));
+    context
+        .messages
+        .print_line(&summary_line(&coupled.interface));
     Ok(CommandResult::done().with("written", path))
 }
 

@@ -5,7 +5,6 @@
 
 use super::interface::Interface;
 use crate::experiment::small_signals::assemble;
-use crate::models::models;
 use crate::scene_file::{ModelChoice, SceneError, SceneFile, did_you_mean};
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{Load, Mount, Profile, SceneSpec, StationMember, initial_speed};
@@ -59,7 +58,7 @@ impl Coupled {
             move_by_host(&mut spec, name)?;
         }
         let loaded = load_all(&mut spec);
-        let scene = assemble(&spec, &choice.modelling, models())
+        let scene = assemble(&spec, &choice.modelling, &file.context.models)
             .map_err(|e| file.locate_in(&choice.label, &e))?;
         let mut ports = Vec::new();
         for (member, gear) in scene.gears().iter().enumerate() {

@@ -1,6 +1,7 @@
 //! Settings of an FMU that the scene does not contain, and the opening of its resources.
 
 use super::coupled::Coupled;
+use crate::context::Context;
 use crate::scene_file::{Origin, SceneError, SceneFile};
 use gearbench_integrators::{MethodSpec, Resolution, Scheme};
 use gearbench_reference::hash::Hash;
@@ -116,7 +117,7 @@ pub fn open(resources: &Path, token: &str) -> Result<OpenedScene, OpenError> {
     }
     let settings: Settings = serde_json::from_str(&settings)?;
     let origin = Origin::File(resources.join(SCENE));
-    let file = SceneFile::unbuilt(SCENE, &text, origin, true)?;
+    let file = SceneFile::unbuilt(&Context::default(), SCENE, &text, origin, true)?;
     let changed = |why: &str| OpenError::Changed(why.to_owned());
     let choice = (file.model(&settings.model)).ok_or_else(|| changed("the model is missing"))?;
     let scheme = (settings.scheme()).ok_or_else(|| changed("step and tolerance are not unique"))?;

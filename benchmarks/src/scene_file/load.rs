@@ -2,10 +2,9 @@
 
 use super::reading::suggest;
 use super::shipped::{self, SHIPPED};
-use super::source::{recorded, recorded_calibration};
 use super::{Calibration, Origin, SceneError, SceneFile};
 use crate::cli::progress::Display;
-use crate::cli::terminal::warn;
+use crate::context::Context;
 use gearbench_reference::file_kind::{self, Input};
 use gearbench_reference::files;
 use gearbench_reports::RECORD;
@@ -19,8 +18,8 @@ const MOST_NAMED: usize = 3;
 ///
 /// # Errors
 /// [`SceneError`] with file, line and help.
-pub fn load(path_or_name: &str) -> Result<SceneFile, SceneError> {
-    load_for(path_or_name, Selection::All)
+pub fn load(context: &Context, path_or_name: &str) -> Result<SceneFile, SceneError> {
+    load_for(context, path_or_name, Selection::All)
 }
 
 /// Models of a scene to build. The others are read only, as the reduction of finite elements takes seconds.
@@ -40,16 +39,21 @@ pub enum Selection<'a> {
 ///
 /// # Errors
 /// [`SceneError`] with file, line and help, also for labels that the scene does not have.
-pub fn load_for(path_or_name: &str, selection: Selection<'_>) -> Result<SceneFile, SceneError> {
-    load_with(path_or_name, selection, true)
+pub fn load_for(
+    context: &Context,
+    path_or_name: &str,
+    selection: Selection<'_>,
+) -> Result<SceneFile, SceneError> {
+    load_with(context, path_or_name, selection, true)
 }
 
 fn load_with(
+    context: &Context,
     path_or_name: &str,
     selection: Selection<'_>,
     calibrated: bool,
 ) -> Result<SceneFile, SceneError> {
-    let mut file = read(path_or_name, calibrated)?;
+    let mut file = read(context, path_or_name, calibrated)?;
     let chosen = match selection {
         Selection::All => file.models.iter().collect(),
         Selection::None => Vec::new(),
@@ -59,7 +63,9 @@ fn load_with(
     let labels: Vec<&str> = chosen.iter().map(|m| m.label.as_str()).collect();
     let is_chosen = |i: &usize| labels.contains(&file.models[*i].label.as_str());
     let chosen: Vec<usize> = (0..file.models.len()).filter(is_chosen).collect();
-    file.odd.iter().for_each(|odd| warn(&odd.to_text()));
+    file.odd
+        .iter()
+        .for_each(|odd| context.messages.warn(&odd.to_text()));
     file.build(&chosen, calibrated)?;
     Ok(file)
 }
@@ -83,9 +89,10 @@ impl SceneFile {
             display.report_progress(done, chosen.len(), &format!("building the model `{label}`"));
         })?;
         drop(display);
-        odd.iter().for_each(|odd| warn(&odd.to_text()));
+        odd.iter()
+            .for_each(|odd| self.context.messages.warn(&odd.to_text()));
         for refused in &self.refused[known..] {
-            warn(&format!(
+            self.context.messages.warn(&format!(
                 "the model `{}` is refused, the others run: {}",
                 refused.label,
                 refused.error.to_text()
@@ -101,10 +108,11 @@ impl SceneFile {
 /// # Errors
 /// [`SceneError`] with file, line and help.
 pub fn load_uncalibrated(
+    context: &Context,
     path_or_name: &str,
     selection: Selection<'_>,
 ) -> Result<SceneFile, SceneError> {
-    load_with(path_or_name, selection, false)
+    load_with(context, path_or_name, selection, false)
 }
 
 /// Loads a scene without calibrations and without building its models, for uses of its gears alone: files of models
@@ -112,23 +120,26 @@ pub fn load_uncalibrated(
 ///
 /// # Errors
 /// [`SceneError`] with file, line and help.
-pub fn load_unbuilt(path_or_name: &str) -> Result<SceneFile, SceneError> {
-    let file = read(path_or_name, false)?;
-    file.odd.iter().for_each(|odd| warn(&odd.to_text()));
+pub fn load_unbuilt(context: &Context, path_or_name: &str) -> Result<SceneFile, SceneError> {
+    let file = read(context, path_or_name, false)?;
+    file.odd
+        .iter()
+        .for_each(|odd| context.messages.warn(&odd.to_text()));
     Ok(file)
 }
 
-fn read(path_or_name: &str, calibrated: bool) -> Result<SceneFile, SceneError> {
+fn read(context: &Context, path_or_name: &str, calibrated: bool) -> Result<SceneFile, SceneError> {
     if let Some(s) = shipped::shipped(path_or_name) {
         return SceneFile::unbuilt(
+            context,
             &format!("{}.toml", s.name),
-            recorded(s.name).unwrap_or(s.text),
+            context.recorded(s.name).unwrap_or(s.text),
             Origin::Shipped,
             calibrated,
         );
     }
     let path = Path::new(path_or_name);
-    let is_recorded = recorded(path_or_name).is_some();
+    let is_recorded = context.recorded(path_or_name).is_some();
     if path.is_dir() && !is_recorded {
         return Err(SceneError::plain(
             format!("`{path_or_name}` is a folder, not a scene"),
@@ -157,7 +168,7 @@ fn read(path_or_name: &str, calibrated: bool) -> Result<SceneFile, SceneError> {
         let what = format!("there is no scene `{path_or_name}`");
         return Err(SceneError::plain(what, help));
     }
-    let read = || match recorded(path_or_name) {
+    let read = || match context.recorded(path_or_name) {
         Some(text) => Ok(text.to_owned()),
         None => files::read_text(path, files::MOST_OF_TEXT),
     };
@@ -168,6 +179,7 @@ fn read(path_or_name: &str, calibrated: bool) -> Result<SceneFile, SceneError> {
         )
     })?;
     SceneFile::unbuilt(
+        context,
         path_or_name,
         &text,
         Origin::File(path.to_owned()),
@@ -199,11 +211,12 @@ fn contents(folder: &Path) -> String {
 /// Finds the calibrations of a scene by model: in the file next to the scene, else in the scene itself, else among the
 /// embedded ones of that name.
 pub(super) fn find_calibration(
+    context: &Context,
     scene: &str,
     (name, own): (&str, &Calibration),
     origin: &Origin,
 ) -> Result<Option<Calibration>, SceneError> {
-    if let Some(text) = recorded_calibration(scene) {
+    if let Some(text) = context.recorded_calibration(scene) {
         return Calibration::parse("the record", text).map(Some);
     }
     if let (Origin::File(path), true) = (origin, scene == name) {

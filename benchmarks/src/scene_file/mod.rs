@@ -63,9 +63,11 @@ pub use references::{LoadedReference, NamedReference, ReferenceConditions};
 pub use shipped::{SHIPPED, ShippedScene};
 pub use study_plan::Study;
 
-use crate::models::models as model_table;
+use crate::context::Context;
 use gearbench_integrators::Scheme;
 use gearbench_models::error::Fault;
+use gearbench_models::gear::properties::Properties;
+use gearbench_models::gear::table::{Model, properties_of};
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{GearSpec, SceneSpec};
 use gearbench_reports::record::Tolerance;
@@ -202,6 +204,8 @@ pub struct SceneFile {
     pub odd: Vec<SceneError>,
     /// Models that were built and cannot run the scene: studies record the reason and run the others.
     pub refused: Vec<RefusedModel>,
+    /// The context that the scene was loaded in.
+    pub context: Context,
     document: Document,
 }
 
@@ -211,12 +215,13 @@ impl SceneFile {
     /// # Errors
     /// [`SceneError`] with line and help.
     pub fn parse(
+        context: &Context,
         name: &str,
         text: &str,
         origin: Origin,
         calibrated: bool,
     ) -> Result<Self, SceneError> {
-        let mut file = Self::unbuilt(name, text, origin, calibrated)?;
+        let mut file = Self::unbuilt(context, name, text, origin, calibrated)?;
         let all: Vec<usize> = (0..file.models.len()).collect();
         file.check(&all, calibrated, &|_, _| {})?;
         Ok(file)
@@ -227,20 +232,32 @@ impl SceneFile {
     /// # Errors
     /// [`SceneError`] with the place in the file.
     pub fn unbuilt(
+        context: &Context,
         name: &str,
         text: &str,
         origin: Origin,
         calibrated: bool,
     ) -> Result<Self, SceneError> {
-        let (document, keys): (_, SceneKeys) = Document::read(name, text, known_words)?;
+        let (document, keys): (_, SceneKeys) =
+            Document::read(name, text, |scene| known_words(scene, &context.models))?;
         let odd = typical_ranges::lengths(&document);
-        let file = Self::from_keys(document, keys, origin, calibrated);
+        let file = Self::from_keys(context, document, keys, origin, calibrated);
         let mut file = file.map_err(|e| e.with_remarks(&odd))?;
         file.odd.extend(odd);
         Ok(file)
     }
 
+    /// Parses a changed text of this scene without building its models; paths count from the same folder.
+    ///
+    /// # Errors
+    /// [`SceneError`] with the place in the changed text.
+    pub fn with_text(&self, text: &str) -> Result<Self, SceneError> {
+        let name = self.document.at("").file();
+        Self::unbuilt(&self.context, name, text, self.origin.clone(), true)
+    }
+
     fn from_keys(
+        context: &Context,
         document: Document,
         keys: SceneKeys,
         origin: Origin,
@@ -271,22 +288,23 @@ impl SceneFile {
         let on_shafts = shaft::groups(&shafts);
         let meshes = mesh::meshes(&keys.meshes, &mut drafts, &on_shafts, &root)?;
         let own = Calibration::of(keys.calibration, &root.key("calibration"))?;
-        let find = |scene: &str| load::find_calibration(scene, (&name, &own), &origin);
-        let context = model::Context {
+        let find = |scene: &str| load::find_calibration(context, scene, (&name, &own), &origin);
+        let parts = model::Context {
             scene: &name,
             shipped: origin == Origin::Shipped,
             gears: &drafts,
             meshes: meshes.len(),
-            models: model_table(),
+            models: &context.models,
             folder,
             calibrations: &find,
             calibrated,
         };
-        let mut models = model::models(keys.models, &context, &root.key("models"))?;
+        let mut models = model::models(keys.models, &parts, &root.key("models"))?;
         if keys.study.integrators.is_none() {
             let gears: Vec<&GearSpec> = drafts.iter().map(|d| &d.spec).collect();
             for m in models.iter_mut().filter(|m| m.integrators.is_none()) {
-                m.integrators = study_plan::default_of(&m.model, &gears);
+                m.integrators =
+                    study_plan::default_of(properties_of(&context.models, &m.model), &gears);
                 m.default_integrators = m.integrators.is_some();
             }
         }
@@ -333,6 +351,7 @@ impl SceneFile {
             origin,
             odd: Vec::new(),
             refused: Vec::new(),
+            context: context.clone(),
             document,
         };
         file.odd = plausibility::check(&file)?;
@@ -372,12 +391,17 @@ impl SceneFile {
             let choice = &self.models[place];
             begins(done, &choice.label);
             let incomplete = choice.calibration.is_some() && !calibrated;
-            match Scene::build(&self.spec_for(choice), &choice.modelling, model_table()) {
+            match Scene::build(
+                &self.spec_for(choice),
+                &choice.modelling,
+                &self.context.models,
+            ) {
                 Ok(mut scene) => {
                     odd.extend(self.without_effect(choice, &scene)?);
                     odd.extend(self.outside_formulas(choice));
                     if choice.default_integrators {
-                        let default = study_plan::default_in(&choice.model, &mut scene);
+                        let default =
+                            study_plan::default_in(self.properties_of(&choice.model), &mut scene);
                         defaults.extend(default.map(|d| (place, d)));
                     }
                 }
@@ -403,6 +427,11 @@ impl SceneFile {
     /// True if a model was built and cannot run the scene.
     pub fn is_refused(&self, label: &str) -> bool {
         self.refused.iter().any(|r| r.label == label)
+    }
+
+    /// Returns the properties of a gear model by its id.
+    pub fn properties_of(&self, model: &str) -> Properties {
+        properties_of(&self.context.models, model)
     }
 
     /// The text of the scene file.
@@ -437,7 +466,7 @@ impl SceneFile {
 }
 
 /// Names that the scene defines, and those of the table of models, by their type.
-fn known_words(scene: &DeTable<'_>) -> Vec<(&'static str, Vec<String>)> {
+fn known_words(scene: &DeTable<'_>, models: &[Model]) -> Vec<(&'static str, Vec<String>)> {
     let table = |key: &str| scene.get(key).and_then(|v| v.get_ref().as_table());
     let gears = table("gears").into_iter().flatten();
     let list = scene.get("models").and_then(|v| v.get_ref().as_array());
@@ -447,7 +476,7 @@ fn known_words(scene: &DeTable<'_>) -> Vec<(&'static str, Vec<String>)> {
         label.get_ref().as_str().map(str::to_owned)
     };
     let labels = (list.into_iter().flat_map(|l| l.iter())).filter_map(|m| label(m.get_ref()));
-    let ids = model_table().iter().map(|m| m.id.to_owned());
+    let ids = models.iter().map(|m| m.id.to_owned());
     vec![
         (
             "<gear>",

@@ -37,6 +37,7 @@ pub static SHIPPED: &[ShippedScene] = &[
     shipped!("rack_pinion"),
     shipped!("spur_rotation"),
     shipped!("loaded_mesh"),
+    shipped!("mesh_efficiency"),
     shipped!("hammer"),
     shipped!("helical_hammer"),
     shipped!("helical_loaded"),

@@ -5,32 +5,26 @@
 
 use super::calibration::Calibration;
 use super::{Origin, SceneFile};
+use crate::context::Context;
 use crate::experiment::key::{self, Key};
 use gearbench_reference::files;
 use gearbench_reference::hash::Hash;
 use gearbench_reports::record::Source;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use std::sync::OnceLock;
 
-/// Source of the record that is rerun.
-static REPLACEMENT: OnceLock<Source> = OnceLock::new();
+impl Context {
+    /// The text of a scene in the record that is rerun.
+    pub(super) fn recorded(&self, name: &str) -> Option<&str> {
+        let source = self.rerun.as_ref()?;
+        (source.name == name).then_some(source.scene.as_str())
+    }
 
-/// Replaces scenes by the source of a record from here on; only the first call has an effect.
-pub fn replace_scenes(source: Source) {
-    let _ = REPLACEMENT.set(source);
-}
-
-/// The text of a scene in the record that is rerun.
-pub(super) fn recorded(name: &str) -> Option<&'static str> {
-    let source = REPLACEMENT.get()?;
-    (source.name == name).then_some(source.scene.as_str())
-}
-
-/// The calibration file of a scene in the record that is rerun.
-pub(super) fn recorded_calibration(scene: &str) -> Option<&'static str> {
-    let text = REPLACEMENT.get()?.calibrations.get(scene)?;
-    Some(text)
+    /// The calibration file of a scene in the record that is rerun.
+    pub(super) fn recorded_calibration(&self, scene: &str) -> Option<&str> {
+        let calibrations = &self.rerun.as_ref()?.calibrations;
+        calibrations.get(scene).map(String::as_str)
+    }
 }
 
 /// Largest size of a file that is hashed [bytes]; decks and tables have the same limit.

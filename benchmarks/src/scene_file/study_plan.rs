@@ -10,7 +10,6 @@ use super::reading::values::{
     Count, Distinct, Label, Method, MetricKey, OneOrMany, Positive, Share,
 };
 use super::references::NamedReference;
-use crate::models::models;
 use crate::studies::compare::REFINED;
 use crate::studies::precision::scene::{Precision, PrecisionKeys};
 use crate::studies::stability::scene::{StabilityKeys, StabilitySet};
@@ -19,7 +18,7 @@ use gearbench_integrators::SecondOrderSystem as _;
 use gearbench_integrators::modal::resonance::safe_step;
 use gearbench_integrators::table::{DOPRI5, HHT_ALPHA, NEWMARK, TRIGONOMETRIC};
 use gearbench_integrators::{METHODS, MethodSpec, Resolution, Scheme, Stepping};
-use gearbench_models::gear::table::properties_of;
+use gearbench_models::gear::properties::Properties;
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{Body, GearSpec};
 use gearbench_reports::Metric;
@@ -171,8 +170,7 @@ fn default_integrators() -> Vec<Scheme> {
 ///
 /// Whether modes are coupled, and how high they are, is known when the gears are built ([`default_in`]); until then modes
 /// are taken as uncoupled.
-pub(super) fn default_of(model: &str, gears: &[&GearSpec]) -> Option<Vec<Scheme>> {
-    let properties = properties_of(models(), model);
+pub(super) fn default_of(properties: Properties, gears: &[&GearSpec]) -> Option<Vec<Scheme>> {
     if properties.full_order {
         let step = gears
             .iter()
@@ -187,8 +185,8 @@ pub(super) fn default_of(model: &str, gears: &[&GearSpec]) -> Option<Vec<Scheme>
 /// Default integrators of a model that is built. Gears with modes take the method that is exact for these, at the
 /// longest step up to [`EXACT_STEP`] at which no mode resonates with it, in one significant digit; where a carrier, a
 /// bearing or terms of rotation couple the modes, an adaptive method.
-pub(super) fn default_in(model: &str, scene: &mut Scene) -> Option<Vec<Scheme>> {
-    if !properties_of(models(), model).modes {
+pub(super) fn default_in(properties: Properties, scene: &mut Scene) -> Option<Vec<Scheme>> {
+    if !properties.modes {
         return None;
     }
     let n = scene.layout().n;

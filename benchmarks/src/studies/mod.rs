@@ -13,6 +13,7 @@
 //! | `precision` | error against cost: models, integrators, resolutions, mode counts |
 //! | [`response`] | frequency response to the passing of teeth, without running |
 //! | [`run_up`] | a run from one speed to another: spectra and orders over the speed |
+//! | `scan` | many scenes: keys varied at once, samples, sensitivity indices, parts for several machines |
 //! | [`stability`] | stability maps over step and stiffness, damping, speed, modes; the largest stable step |
 //! | `stiffness` | static mesh stiffness of the models, compared with ISO 6336 and the analytic compliance |
 //! | `sweep` | running under load at speed after speed: transmission error, bearing forces, spectra |
@@ -28,6 +29,7 @@ pub(crate) mod penalty;
 pub(crate) mod precision;
 pub mod response;
 pub mod run_up;
+pub(crate) mod scan;
 pub mod stability;
 pub(crate) mod stiffness;
 pub(crate) mod sweep;

@@ -1,5 +1,6 @@
 //! Gears for tests of studies: a coarse pair, which reduces in a fraction of a second, and one whose stiffness is a wave.
 
+use crate::context::Context;
 use crate::scene_file::{Origin, SceneFile};
 use gearbench_models::spec::mesh_layout;
 
@@ -34,7 +35,14 @@ pub fn coarse_full() -> SceneFile {
     let text = format!(
         "{GEARS}\n[[models]]\nmodel = \"fe\"\nparameters = {{ {MESH} }}\ncontact = {{ penalty_pa_per_m = 2e15 }}\n"
     );
-    SceneFile::unbuilt("coarse.toml", &text, Origin::Shipped, false).expect("a scene")
+    SceneFile::unbuilt(
+        &Context::default(),
+        "coarse.toml",
+        &text,
+        Origin::Shipped,
+        false,
+    )
+    .expect("a scene")
 }
 
 /// Returns the pair with elastic gears and the given further parameters.
@@ -43,7 +51,14 @@ pub fn coarse(parameters: &str) -> SceneFile {
         "{GEARS}\n[[models]]\nmodel = \"elastic\"\nparameters = {{ {MESH}, {parameters} }}\n\
          contact = {{ penalty_pa_per_m = 2e15, damping_ns_per_m3 = 2e9 }}\n"
     );
-    SceneFile::unbuilt("coarse.toml", &text, Origin::Shipped, false).expect("a scene")
+    SceneFile::unbuilt(
+        &Context::default(),
+        "coarse.toml",
+        &text,
+        Origin::Shipped,
+        false,
+    )
+    .expect("a scene")
 }
 
 /// Returns the first gear with a rack in place of the second gear.
@@ -59,7 +74,14 @@ pub fn coarse_rack(parameters: &str) -> SceneFile {
         "{rack}\n[[models]]\nmodel = \"elastic\"\nparameters = {{ {MESH}, {parameters} }}\n\
          contact = {{ penalty_pa_per_m = 2e15, damping_ns_per_m3 = 2e9 }}\n"
     );
-    SceneFile::unbuilt("rack.toml", &text, Origin::Shipped, false).expect("a scene")
+    SceneFile::unbuilt(
+        &Context::default(),
+        "rack.toml",
+        &text,
+        Origin::Shipped,
+        false,
+    )
+    .expect("a scene")
 }
 
 /// Returns gears with a mesh stiffness `k0 (1 + depth cos)` of one wave per base pitch, and some damping.
@@ -91,8 +113,16 @@ contact = {{ stiffness = {rows}, damping = {{ law = "kelvin-voigt-ratio", ratio 
 "#
         )
     };
-    let parse =
-        |rows: &str| SceneFile::parse("wave.toml", &text(rows), Origin::Shipped, false).unwrap();
+    let parse = |rows: &str| {
+        SceneFile::parse(
+            &Context::default(),
+            "wave.toml",
+            &text(rows),
+            Origin::Shipped,
+            false,
+        )
+        .unwrap()
+    };
     let plain = parse("\"iso6336\"");
     let [a, b] = [&plain.spec.gears[0], &plain.spec.gears[1]];
     let l = mesh_layout(a, b).unwrap();

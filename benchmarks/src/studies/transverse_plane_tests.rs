@@ -4,6 +4,7 @@
 
 use super::response::{FrequencyGrid, response};
 use super::sweep::{self, mesh_resonance};
+use crate::context::Context;
 use crate::experiment::conditions::Conditions;
 use crate::experiment::configuration::Configuration;
 use crate::experiment::run::run;
@@ -40,7 +41,14 @@ contact = {{ stiffness = {{ kind = "constant", stiffness_n_per_m2 = 1.4e10 }}, d
 "#,
         -helix_deg
     );
-    SceneFile::parse("pair.toml", &text, Origin::Shipped, false).unwrap()
+    SceneFile::parse(
+        &Context::default(),
+        "pair.toml",
+        &text,
+        Origin::Shipped,
+        false,
+    )
+    .unwrap()
 }
 
 /// Returns two elastic gears on half-spaces under 33 N m. With fewer modes the stiffness of `response` lacks the
@@ -58,13 +66,26 @@ model = "elastic"
 parameters = { modes = 100, damping_ratio = 0.05, flank_elements = 6, width_elements = 1 }
 contact = { local = "half-space", damping = { law = "ratio-at-load", ratio = 0.2 } }
 "#;
-    SceneFile::parse("pair.toml", text, Origin::Shipped, false).unwrap()
+    SceneFile::parse(
+        &Context::default(),
+        "pair.toml",
+        text,
+        Origin::Shipped,
+        false,
+    )
+    .unwrap()
 }
 
 /// The shipped conical pair on axes that meet, under its loads from the start on.
 fn conical() -> SceneFile {
     let shipped = SHIPPED.iter().find(|s| s.name == "beveloid").unwrap();
-    let scene = SceneFile::unbuilt("beveloid", shipped.text, Origin::Shipped, true);
+    let scene = SceneFile::unbuilt(
+        &Context::default(),
+        "beveloid",
+        shipped.text,
+        Origin::Shipped,
+        true,
+    );
     let mut scene = scene.unwrap();
     for g in &mut scene.spec.gears {
         for load in &mut g.loads {
@@ -88,12 +109,7 @@ fn method(scene: &SceneFile) -> Scheme {
     }
 }
 
-fn plan(
-    scene: &SceneFile,
-    frequencies: Vec<f64>,
-    cycles: usize,
-    settle: f64,
-) -> sweep::Plan<'static> {
+fn plan(scene: &SceneFile, frequencies: Vec<f64>, cycles: usize, settle: f64) -> sweep::Plan {
     sweep::Plan {
         conditions: Conditions {
             repeats: 0,
@@ -331,7 +347,14 @@ model = "elastic"
 parameters = { modes = 20, damping_ratio = 0.05, flank_elements = 6, width_elements = 1 }
 contact = { local = "half-space", damping = { law = "ratio-at-load", ratio = 0.05 } }
 "#;
-    let scene = SceneFile::parse("pair.toml", text, Origin::Shipped, false).unwrap();
+    let scene = SceneFile::parse(
+        &Context::default(),
+        "pair.toml",
+        text,
+        Origin::Shipped,
+        false,
+    )
+    .unwrap();
     let all: Vec<Configuration> = (scene.models.iter())
         .map(|m| Configuration::of(&scene, m))
         .collect();

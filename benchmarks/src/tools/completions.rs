@@ -2,7 +2,8 @@
 
 use crate::cli::Cli;
 use crate::cli::command_result::CommandResult;
-use crate::cli::terminal::{Refusal, print_text};
+use crate::cli::terminal::Refusal;
+use crate::context::Context;
 use clap::{Args, CommandFactory};
 use clap_complete::Shell;
 
@@ -20,9 +21,11 @@ pub struct Completions {
 }
 
 /// Prints the completion script of a shell.
-pub fn run(args: &Completions) -> Result<CommandResult, Refusal> {
+pub fn run(context: &Context, args: &Completions) -> Result<CommandResult, Refusal> {
     let mut script = Vec::new();
     clap_complete::generate(args.shell, &mut Cli::command(), "gearbench", &mut script);
-    print_text(String::from_utf8_lossy(&script).trim_end());
+    context
+        .messages
+        .print_text(String::from_utf8_lossy(&script).trim_end());
     Ok(CommandResult::done())
 }

@@ -2,7 +2,8 @@
 
 use crate::cli::command_result::CommandResult;
 use crate::cli::files::{ReplaceableFiles, write_whole};
-use crate::cli::terminal::{Refusal, absolute, print_line};
+use crate::cli::terminal::{Refusal, absolute};
+use crate::context::Context;
 use crate::scene_file::{SHIPPED, SceneError, ShippedScene, did_you_mean};
 use clap::Args;
 use std::path::PathBuf;
@@ -14,7 +15,8 @@ Examples:
   gearbench init spur_impact                    a copy of a shipped scene with its fitted constants
   gearbench init own_gears                      a folder with gears of other programs, data in a file, and five commands
   gearbench init check                          check.toml, for `gearbench check`
-  gearbench init workflow                       workflow.yml, which runs that check for every pull request";
+  gearbench init workflow                       workflow.yml, which runs that check for every pull request
+  gearbench init snakemake                      a folder with a workflow of Snakemake, which runs a scan in parts";
 
 /// Templates of scenes in addition to the shipped ones.
 const TEMPLATES: [(&str, &str); 3] = [
@@ -39,11 +41,31 @@ const OTHERS: [(&str, &str, &str, &str); 2] = [
     ),
 ];
 
-/// Name of the example with several files, and of its folder.
-const FOLDER: &str = "own_gears";
+/// What consists of several files: the name of its folder, and its files, the main one first.
+type FolderTemplate = (&'static str, &'static [(&'static str, &'static [u8])]);
 
-/// Files of the example, the main one first.
-const FILES: [(&str, &[u8]); 5] = [
+const FOLDERS: [FolderTemplate; 2] = [("own_gears", &OWN_GEARS), ("snakemake", &SNAKEMAKE)];
+
+const SNAKEMAKE: [(&str, &[u8]); 4] = [
+    (
+        "Snakefile",
+        include_bytes!("../../templates/snakemake/Snakefile"),
+    ),
+    (
+        "config.yaml",
+        include_bytes!("../../templates/snakemake/config.yaml"),
+    ),
+    (
+        "profiles/default/config.yaml",
+        include_bytes!("../../templates/snakemake/profiles/default/config.yaml"),
+    ),
+    (
+        "profiles/slurm/config.yaml",
+        include_bytes!("../../templates/snakemake/profiles/slurm/config.yaml"),
+    ),
+];
+
+const OWN_GEARS: [(&str, &[u8]); 5] = [
     (
         "press.toml",
         include_bytes!("../../examples/own_gears/press.toml"),
@@ -70,10 +92,10 @@ const FILES: [(&str, &[u8]); 5] = [
 #[derive(Args, Clone, Debug)]
 #[command(after_help = EXAMPLES)]
 pub struct Init {
-    /// pair, rack, train, the name of a shipped scene, own_gears, check or workflow
+    /// pair, rack, train, the name of a shipped scene, own_gears, check, workflow or snakemake
     #[arg(value_name = "WHAT", default_value = TEMPLATES[0].0)]
     pub what: String,
-    /// File to write [default: WHAT.toml]; for own_gears, the folder
+    /// File to write [default: WHAT.toml]; for own_gears and snakemake, the folder
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
     /// Overwrite an existing file
@@ -82,9 +104,9 @@ pub struct Init {
 }
 
 /// Writes a scene to start from, or a folder of them.
-pub fn run(args: &Init) -> Result<CommandResult, Refusal> {
-    if args.what == FOLDER {
-        return write_folder(args);
+pub fn run(context: &Context, args: &Init) -> Result<CommandResult, Refusal> {
+    if let Some(folder) = FOLDERS.iter().find(|(name, _)| *name == args.what) {
+        return write_folder(context, args, folder);
     }
     let other = OTHERS.iter().find(|(name, ..)| *name == args.what);
     let (text, ending, next) = match other {
@@ -94,8 +116,12 @@ pub fn run(args: &Init) -> Result<CommandResult, Refusal> {
     let path = (args.out.clone()).unwrap_or_else(|| format!("{}.{ending}", args.what).into());
     write(&[(path.clone(), text.as_bytes())], args.force)?;
     let path = absolute(path);
-    print_line(&format!("written: {}", path.display()));
-    print_line(&next.replace("FILE", &path.display().to_string()));
+    context
+        .messages
+        .print_line(&format!("written: {}", path.display()));
+    context
+        .messages
+        .print_line(&next.replace("FILE", &path.display().to_string()));
     Ok(CommandResult::done().with("written", path))
 }
 
@@ -116,18 +142,27 @@ fn write(files: &[(PathBuf, &[u8])], force: bool) -> Result<(), Refusal> {
     Ok(())
 }
 
-/// Writes the example with several files into a folder: all of them, or none if one exists.
-fn write_folder(args: &Init) -> Result<CommandResult, Refusal> {
-    let folder = (args.out.clone()).unwrap_or_else(|| FOLDER.into());
-    std::fs::create_dir_all(&folder)
-        .map_err(|e| Refusal::Files(format!("{}: {e}", folder.display())))?;
-    let files = FILES.map(|(name, bytes)| (folder.join(name), bytes));
-    write(&files, args.force)?;
+/// Writes several files into a folder: all of them, or none if one exists.
+fn write_folder(
+    context: &Context,
+    args: &Init,
+    (name, files): &FolderTemplate,
+) -> Result<CommandResult, Refusal> {
+    let folder = (args.out.clone()).unwrap_or_else(|| name.into());
+    let of_folder = |(name, bytes): &(&str, &'static [u8])| (folder.join(name), *bytes);
+    let whole: Vec<(PathBuf, &[u8])> = files.iter().map(of_folder).collect();
+    for parent in whole.iter().filter_map(|(path, _)| path.parent()) {
+        std::fs::create_dir_all(parent)
+            .map_err(|e| Refusal::Files(format!("{}: {e}", parent.display())))?;
+    }
+    write(&whole, args.force)?;
     let folder = absolute(folder);
-    print_line(&format!("written: {}", folder.display()));
-    print_line(&format!(
+    context
+        .messages
+        .print_line(&format!("written: {}", folder.display()));
+    context.messages.print_line(&format!(
         "change to this folder; the first lines of {} contain the commands",
-        FILES[0].0
+        files[0].0
     ));
     Ok(CommandResult::done().with("written", folder))
 }
@@ -143,7 +178,7 @@ fn text(what: &str) -> Result<String, SceneError> {
             let names = (TEMPLATES.iter().map(|(name, _)| *name))
                 .chain(SHIPPED.iter().map(|s| s.name))
                 .chain(OTHERS.iter().map(|o| o.0))
-                .chain([FOLDER])
+                .chain(FOLDERS.map(|(name, _)| name))
                 .collect::<Vec<_>>();
             Err(SceneError::plain(
                 format!("there is no template or shipped scene `{what}`"),
@@ -194,11 +229,14 @@ mod tests {
             assert!(text.contains(&own), "{name}");
             let text = text.replacen(&own, "name = \"mine\"", 1);
             let origin = Origin::File("nowhere/mine.toml".into());
-            let scene = SceneFile::unbuilt("mine.toml", &text, origin, true);
+            let scene = SceneFile::unbuilt(&Context::default(), "mine.toml", &text, origin, true);
             let scene = scene.unwrap_or_else(|e| panic!("{name}: {}", e.to_text()));
             assert!(scene.odd.is_empty(), "{name}: {:?}", scene.odd);
-            let Ok(shipped) = crate::scene_file::load_for(name, crate::scene_file::Selection::None)
-            else {
+            let Ok(shipped) = crate::scene_file::load_for(
+                &Context::default(),
+                name,
+                crate::scene_file::Selection::None,
+            ) else {
                 continue;
             };
             for (a, b) in scene.models.iter().zip(&shipped.models) {

@@ -1,15 +1,15 @@
 //! The command `gearbench list`: scenes, models, integrators and references by name.
 
 use crate::cli::command_result::CommandResult;
-use crate::cli::terminal::{Refusal, print_line};
-use crate::models::models;
+use crate::cli::terminal::Refusal;
+use crate::context::Context;
 use crate::scene_file::{self, SHIPPED, SceneFile};
 use clap::{Args, ValueEnum};
 use gearbench_integrators::table::FREE_FLIGHT;
 use gearbench_integrators::{METHODS, Method, Stepping};
 use gearbench_models::gear::table::Model;
 use gearbench_reference::hash::Hash;
-use gearbench_reference::reduction::cache::{self, Cache, LIMIT};
+use gearbench_reference::reduction::cache::{Cache, LIMIT};
 use gearbench_reference::{REFERENCES, StoredReference};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
@@ -46,45 +46,50 @@ pub struct List {
 }
 
 /// Prints the tables of scenes, models, integrators, references and caches.
-pub fn run(args: &List) -> Result<CommandResult, Refusal> {
-    let cached = CacheFiles::of(cache::in_use());
+pub fn run(context: &Context, args: &List) -> Result<CommandResult, Refusal> {
+    let cached = CacheFiles::of(&context.resources.cache);
     let removed = match args.clear_cache {
         true => cached.remove()?,
         false => 0,
     };
-    let cached = CacheFiles::of(cache::in_use());
+    let cached = CacheFiles::of(&context.resources.cache);
     let scenes = (SHIPPED.iter())
-        .map(|s| scene_file::load_unbuilt(s.name))
+        .map(|s| scene_file::load_unbuilt(context, s.name))
         .collect::<Result<Vec<_>, _>>()?;
     let in_full = |section: Section| args.section == Some(section);
     let listed = |section: Section| args.section.is_none() || in_full(section);
     let mut answer = CommandResult::done();
     if listed(Section::Scenes) {
-        print_scenes(&scenes, in_full(Section::Scenes));
+        print_scenes(context, &scenes, in_full(Section::Scenes));
         answer = answer.with("scenes", scenes.iter().map(scene).collect::<Vec<_>>());
     }
     if listed(Section::Models) {
-        print_models(in_full(Section::Models));
-        answer = answer.with("models", models().iter().map(model).collect::<Vec<_>>());
+        print_models(context, in_full(Section::Models));
+        answer = answer.with(
+            "models",
+            context.models.iter().map(model).collect::<Vec<_>>(),
+        );
     }
     if listed(Section::Integrators) {
-        print_integrators(in_full(Section::Integrators));
+        print_integrators(context, in_full(Section::Integrators));
         answer = answer.with(
             "integrators",
             METHODS.iter().map(method).collect::<Vec<_>>(),
         );
     }
     if listed(Section::References) {
-        print_references();
+        print_references(context);
         answer = answer.with(
             "references",
             REFERENCES.iter().map(reference).collect::<Vec<_>>(),
         );
     }
     if args.section.is_none() {
-        cached.print(removed);
+        cached.print(context, removed);
         answer = answer.with("cache", cached.to_json());
-        print_line("\n`gearbench list scenes`, `models` and `integrators` print the details");
+        context
+            .messages
+            .print_line("\n`gearbench list scenes`, `models` and `integrators` print the details");
     }
     Ok(answer)
 }
@@ -135,17 +140,19 @@ impl CacheFiles {
         Ok(self.files.len())
     }
 
-    fn print(&self, removed: usize) {
-        print_line(
+    fn print(&self, context: &Context, removed: usize) {
+        context.messages.print_line(
             "\ncache of reductions (--clear-cache empties it; GEARBENCH_CACHE sets its folder, or `off`)",
         );
         let Some(folder) = &self.folder else {
-            return print_line("  off");
+            return context.messages.print_line("  off");
         };
         if removed > 0 {
-            print_line(&format!("  {removed} files were removed"));
+            context
+                .messages
+                .print_line(&format!("  {removed} files were removed"));
         }
-        print_line(&format!(
+        context.messages.print_line(&format!(
             "  {}: {} files, {:.1} MB of at most {:.1} GB; the least recently used files are removed first",
             folder.display(),
             self.files.len(),
@@ -205,30 +212,44 @@ fn reference(r: &StoredReference) -> Value {
     json!({ "id": r.id, "title": r.title })
 }
 
-fn print_scenes(scenes: &[SceneFile], in_full: bool) {
-    print_line("scenes (gearbench compare NAME)");
+fn print_scenes(context: &Context, scenes: &[SceneFile], in_full: bool) {
+    context
+        .messages
+        .print_line("scenes (gearbench compare NAME)");
     for s in scenes {
-        print_line(&format!("  {:<18} {}", s.name, s.title));
+        context
+            .messages
+            .print_line(&format!("  {:<18} {}", s.name, s.title));
         if in_full {
             let labels: Vec<&str> = s.models.iter().map(|m| m.label.as_str()).collect();
-            print_line(&format!("  {:<18} models: {}", "", labels.join(", ")));
+            context
+                .messages
+                .print_line(&format!("  {:<18} models: {}", "", labels.join(", ")));
         }
     }
 }
 
-fn print_models(in_full: bool) {
-    print_line("\nmodels (model = \"ID\" in a scene)");
-    for m in models() {
-        print_line(&format!("  {:<18} {}", m.id, m.title));
+fn print_models(context: &Context, in_full: bool) {
+    context
+        .messages
+        .print_line("\nmodels (model = \"ID\" in a scene)");
+    for m in &*context.models {
+        context
+            .messages
+            .print_line(&format!("  {:<18} {}", m.id, m.title));
         for p in m.parameters.iter().filter(|_| in_full) {
             let need = if p.required { "required" } else { "optional" };
-            print_line(&format!("    {:<28} {} ({need})", p.key, p.meaning));
+            context
+                .messages
+                .print_line(&format!("    {:<28} {} ({need})", p.key, p.meaning));
         }
     }
 }
 
-fn print_integrators(in_full: bool) {
-    print_line("\nintegrators (--integrators ID or \"ID(parameter=value)@step\")");
+fn print_integrators(context: &Context, in_full: bool) {
+    context
+        .messages
+        .print_line("\nintegrators (--integrators ID or \"ID(parameter=value)@step\")");
     for m in METHODS {
         let i = m.info;
         let kind = if i.implicit { "implicit" } else { "explicit" };
@@ -247,31 +268,37 @@ fn print_integrators(in_full: bool) {
             i.id, i.order
         );
         if !in_full {
-            print_line(&line);
+            context.messages.print_line(&line);
             continue;
         }
-        print_line(&format!("{line}; {}", i.citation));
+        context
+            .messages
+            .print_line(&format!("{line}; {}", i.citation));
         for p in i.parameters {
-            print_line(&format!(
+            context.messages.print_line(&format!(
                 "    {} = {} in [{}, {}]: {}",
                 p.name, p.default, p.range.0, p.range.1, p.meaning
             ));
         }
     }
     if in_full {
-        print_line(&format!(
+        context.messages.print_line(&format!(
             "  all have the parameter {} in {{0, 1}}, default {}; {}",
             FREE_FLIGHT.name, FREE_FLIGHT.default, FREE_FLIGHT.meaning
         ));
     }
 }
 
-fn print_references() {
-    print_line("\nreferences (reference = \"ID\" in a scene)");
+fn print_references(context: &Context) {
+    context
+        .messages
+        .print_line("\nreferences (reference = \"ID\" in a scene)");
     for r in REFERENCES {
-        print_line(&format!("  {:<24} {}", r.id, r.title));
+        context
+            .messages
+            .print_line(&format!("  {:<24} {}", r.id, r.title));
     }
-    print_line(
+    context.messages.print_line(
         "  your own table: reference = { csv = \"press.csv\" }; the run of a model: gearbench reference",
     );
 }

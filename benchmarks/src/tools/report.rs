@@ -3,7 +3,8 @@
 use crate::cli::command_result::CommandResult;
 use crate::cli::folder_lock::FolderLock;
 use crate::cli::study_folder::remove_staging;
-use crate::cli::terminal::{Refusal, absolute, print_line};
+use crate::cli::terminal::{Refusal, absolute};
+use crate::context::Context;
 use clap::Args;
 use gearbench_reference::{file_kind, files, limits};
 use gearbench_reports::{RECORD, ReportError};
@@ -91,11 +92,11 @@ fn remedy(dir: &Path) -> String {
 }
 
 /// Rewrites the report of a record.
-pub fn run(args: &Report) -> Result<CommandResult, Refusal> {
+pub fn run(context: &Context, args: &Report) -> Result<CommandResult, Refusal> {
     check_record(&args.dir)?;
     // The reader refuses a folder without a record.
     let lock = match args.dir.join(RECORD).is_file() {
-        true => Some(FolderLock::take(&args.dir)?),
+        true => Some(FolderLock::take(&context.messages, &args.dir)?),
         false => None,
     };
     if lock.is_some() {
@@ -104,6 +105,8 @@ pub fn run(args: &Report) -> Result<CommandResult, Refusal> {
     let page = gearbench_reports::report_from(&args.dir).map_err(|e| refuse(&args.dir, e))?;
     drop(lock);
     let page = absolute(page);
-    print_line(&format!("report: {}", page.display()));
+    context
+        .messages
+        .print_line(&format!("report: {}", page.display()));
     Ok(CommandResult::done().with("report", page))
 }

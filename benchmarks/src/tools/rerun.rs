@@ -7,14 +7,16 @@ use super::report::check_record;
 use crate::cli::command_line::split;
 use crate::cli::command_result::CommandResult;
 use crate::cli::exit::Exit;
-use crate::cli::terminal::{Refusal, absolute, print_line, warn};
+use crate::cli::terminal::{Refusal, absolute};
+use crate::context::Context;
 use crate::experiment::machine;
-use crate::scene_file::source::{changed, replace_scenes};
+use crate::scene_file::source::changed;
 use clap::Args;
-use gearbench_reports::record::{OF_THE_CLOCK, Results};
+use gearbench_reports::record::{OF_THE_CLOCK, Results, Source};
 use gearbench_reports::{ReportError, load_results};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -46,6 +48,8 @@ pub struct RecordedCommand {
     pub words: Vec<String>,
     /// Folder of the new record.
     pub out: PathBuf,
+    /// Scene and calibrations of the record.
+    pub source: Arc<Source>,
     before: Results,
 }
 
@@ -56,11 +60,11 @@ fn refuse(e: &ReportError) -> Refusal {
     ))
 }
 
-/// Reads the record and replaces its scene by the recorded one.
+/// Reads the record and compares the files that its scene names.
 ///
 /// # Errors [`Refusal`] for a record that cannot be made again: of a version that did not keep its scene, or with files
 /// that have changed.
-pub fn prepare(args: &Rerun) -> Result<RecordedCommand, Refusal> {
+pub fn prepare(context: &Context, args: &Rerun) -> Result<RecordedCommand, Refusal> {
     check_record(&args.record)?;
     let before = load_results(&args.record).map_err(|e| refuse(&e))?;
     let shown = args.record.display();
@@ -80,7 +84,7 @@ pub fn prepare(args: &Rerun) -> Result<RecordedCommand, Refusal> {
         )));
     }
     if before.header.commit != machine::commit() {
-        warn(&format!(
+        context.messages.warn(&format!(
             "the record was written at commit {}, this program was built at {}: results may differ",
             before.header.commit,
             machine::commit()
@@ -96,8 +100,12 @@ pub fn prepare(args: &Rerun) -> Result<RecordedCommand, Refusal> {
         // `gearbench` alone is the default comparison.
         words.push(gearbench_reports::Study::Compare.as_str().into());
     }
-    replace_scenes(source);
-    Ok(RecordedCommand { words, out, before })
+    Ok(RecordedCommand {
+        words,
+        out,
+        source: source.into(),
+        before,
+    })
 }
 
 impl RecordedCommand {
@@ -122,7 +130,11 @@ impl RecordedCommand {
     ///
     /// # Errors
     /// [`Refusal`] when the new record cannot be read.
-    pub fn compare(&self, answer: CommandResult) -> Result<CommandResult, Refusal> {
+    pub fn compare(
+        &self,
+        context: &Context,
+        answer: CommandResult,
+    ) -> Result<CommandResult, Refusal> {
         let after = load_results(&self.out).map_err(|e| refuse(&e))?;
         let (mut total, mut differences) = (0, Vec::new());
         let [old, new] =
@@ -131,17 +143,19 @@ impl RecordedCommand {
         let record = absolute(self.out.join(gearbench_reports::RECORD));
         let answer = (answer.with("compared", total)).with("differences", &differences);
         if differences.is_empty() {
-            print_line(&format!(
+            context.messages.print_line(&format!(
                 "the same: all {total} values of the record except times ({})",
                 record.display()
             ));
             return Ok(answer);
         }
-        print_line(&format!("{} of {total} values differ:", differences.len()));
+        context
+            .messages
+            .print_line(&format!("{} of {total} values differ:", differences.len()));
         differences
             .iter()
             .take(10)
-            .for_each(|d| print_line(&format!("  {d}")));
+            .for_each(|d| context.messages.print_line(&format!("  {d}")));
         Ok(answer.ending(Exit::FellShort))
     }
 }

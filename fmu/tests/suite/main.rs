@@ -12,19 +12,22 @@ mod host;
 mod refusals;
 mod rollback;
 
+use gearbench::context::Context;
 use gearbench::fmu::package::Package;
 use gearbench::scene_file::{Origin, SceneFile, Selection, load_for};
 use gearbench_integrators::Scheme;
 
 /// Loads a shipped scene by name.
 fn shipped(name: &str) -> SceneFile {
-    load_for(name, Selection::None).unwrap_or_else(|e| panic!("{name}: {}", e.to_text()))
+    load_for(&Context::default(), name, Selection::None)
+        .unwrap_or_else(|e| panic!("{name}: {}", e.to_text()))
 }
 
 /// A scene of these tests.
 fn scene(text: &str) -> SceneFile {
     let origin = Origin::File("nowhere/own.toml".into());
-    SceneFile::unbuilt("own.toml", text, origin, true).unwrap_or_else(|e| panic!("{}", e.to_text()))
+    SceneFile::unbuilt(&Context::default(), "own.toml", text, origin, true)
+        .unwrap_or_else(|e| panic!("{}", e.to_text()))
 }
 
 fn scheme(text: &str) -> Scheme {

@@ -35,6 +35,7 @@ pub use lexer::{MAX_DECK_BYTES, MAX_INCLUDE_DEPTH, MAX_INCLUDES, MAX_LINE_BYTES,
 pub use units::Units;
 pub use writer::{GearDeck, Hub, Impact, ImpactGear, WriteError, write, write_impact};
 
+use crate::resources::Resources;
 use crate::{files, limits};
 use std::borrow::Cow;
 use std::io::{self, Read};
@@ -127,7 +128,8 @@ fn unpacked(bytes: &[u8]) -> io::Result<Cow<'_, [u8]>> {
         false => Cow::Borrowed(bytes),
         true => {
             let mut unpacked = Vec::new();
-            let most = (limits::memory() / MEMORY_OVER_TEXT).min(MAX_DECK_BYTES as f64);
+            let most =
+                (Resources::own().memory.limit() / MEMORY_OVER_TEXT).min(MAX_DECK_BYTES as f64);
             flate2::read::MultiGzDecoder::new(bytes)
                 .take(most as u64 + 1)
                 .read_to_end(&mut unpacked)

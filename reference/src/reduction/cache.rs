@@ -23,22 +23,16 @@ pub const LIMIT: u64 = 2 << 30;
 /// The variable of the environment that names the folder, or `off`.
 pub const VARIABLE: &str = "GEARBENCH_CACHE";
 
-/// The first reason why something could not be kept.
-static TROUBLE: OnceLock<String> = OnceLock::new();
-
-/// Why something that was computed could not be kept for the next time, if so.
-pub fn trouble() -> Option<&'static str> {
-    TROUBLE.get().map(String::as_str)
-}
-
 /// Age after which unfinished files of an interrupted run are deleted.
 const ABANDONED: Duration = Duration::from_secs(24 * 3600);
 
 /// A folder of bases, or none.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Debug, Default)]
 pub struct Cache {
     folder: Option<PathBuf>,
     limit: u64,
+    /// The first reason why something could not be kept.
+    trouble: OnceLock<String>,
 }
 
 /// A basis, and whether it had been computed before.
@@ -56,6 +50,7 @@ impl Cache {
         Cache {
             folder: folder(std::env::consts::OS, |name| std::env::var_os(name)),
             limit: LIMIT,
+            ..Cache::default()
         }
     }
 
@@ -64,15 +59,13 @@ impl Cache {
         Cache {
             folder: Some(folder.to_owned()),
             limit,
+            ..Cache::default()
         }
     }
 
-    /// No cache: everything is computed.
-    pub fn off() -> Self {
-        Cache {
-            folder: None,
-            limit: 0,
-        }
+    /// Why something that was computed could not be kept for the next time, if so.
+    pub fn trouble(&self) -> Option<&str> {
+        self.trouble.get().map(String::as_str)
     }
 
     /// Where the files lie.
@@ -113,7 +106,7 @@ impl Cache {
             Ok(_) => self.tidy(folder, &path),
             // A cache that cannot be written costs the same time again; who runs the program is told at its end.
             Err(e) => {
-                let _ = TROUBLE.set(format!("{}: {e}", folder.display()));
+                let _ = self.trouble.set(format!("{}: {e}", folder.display()));
             }
         }
         Ok(CachedBasis { basis, hit: false })
@@ -159,22 +152,6 @@ impl Cache {
             }
         }
     }
-}
-
-static IN_USE: OnceLock<Cache> = OnceLock::new();
-
-/// Selects the cache of this process; without it nothing is stored on disk. Only the first selection has an effect.
-pub fn choose(cache: Cache) {
-    let _ = IN_USE.set(cache);
-}
-
-/// The cache of this process.
-pub fn in_use() -> &'static Cache {
-    static NONE: Cache = Cache {
-        folder: None,
-        limit: 0,
-    };
-    IN_USE.get().unwrap_or(&NONE)
 }
 
 fn file(folder: &Path, key: Hash) -> PathBuf {

@@ -1,4 +1,5 @@
-//! Stored reductions in a scene: opened once, and compared with the gear that uses them.
+//! Stored reductions in a scene: opened once, and compared with the gear that uses them. All studies of a process share
+//! what is open: a file that has changed is opened again, so that none of them can see the content of another time.
 
 use super::Toothing;
 use super::mounting::mount_text;

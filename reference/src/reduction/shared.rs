@@ -1,11 +1,13 @@
 //! One basis for all gears of a process that need the same: a comparison builds a scene once per entry, with the
-//! same meshes.
+//! same meshes. Studies share it as well: the key is the hash of all that a basis depends on, so that none of them can
+//! change the result of another, and memory is taken once.
 //!
 //! A second request waits for the first. A basis with more modes serves requests for fewer; these use the lowest modes
 //! of it, so that a result does not depend on earlier requests.
 
-use super::{Basis, ModeSelection, ReductionError, Request, cache};
+use super::{Basis, ModeSelection, ReductionError, Request};
 use crate::hash::Hash;
+use crate::resources::Resources;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::collections::HashMap;
 use std::panic::resume_unwind;
@@ -46,7 +48,8 @@ pub fn basis_of(request: &Request<'_>) -> Result<Arc<Basis>, ReductionError> {
     {
         return Ok(found.clone());
     }
-    let cached = apart(|| cache::in_use().basis(request, "a scene", || request.compute()))?;
+    let cache = Resources::own().cache;
+    let cached = apart(|| cache.basis(request, "a scene", || request.compute()))?;
     let found = cached.basis;
     *slot = Some((wanted, found.clone()));
     Ok(found)
@@ -60,6 +63,8 @@ fn apart<R: Send>(job: impl FnOnce() -> R + Send) -> R {
     static THREADS: OnceLock<Option<ThreadPool>> = OnceLock::new();
     let threads = THREADS.get_or_init(|| ThreadPoolBuilder::new().build().ok());
     let Some(threads) = threads else { return job() };
+    let own = Resources::own();
+    let job = || own.within(job);
     let done = std::thread::scope(|scope| scope.spawn(|| threads.install(job)).join());
     done.unwrap_or_else(|panic| resume_unwind(panic))
 }

@@ -140,6 +140,12 @@ impl TorquePaths {
         self.change_rel <= SETTLED
     }
 
+    /// Power taken out by loads and drives over the power put in [-]; `None` without power.
+    pub fn efficiency(&self) -> Option<f64> {
+        let taken: f64 = self.members.iter().map(|m| (-m.power_w).max(0.0)).sum();
+        (self.input_w > 0.0).then(|| taken / self.input_w)
+    }
+
     /// True if every number is finite.
     pub fn is_finite(&self) -> bool {
         let whole = [

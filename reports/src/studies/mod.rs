@@ -16,6 +16,7 @@ pub mod precision;
 pub mod response;
 pub mod run_up;
 pub(crate) mod runs;
+pub mod scan;
 pub mod stability;
 pub mod stiffness;
 pub mod sweep;
@@ -67,6 +68,8 @@ words! {
         RunUp = "run-up",
         /// Static mesh stiffness, load sharing and transmission error over a mesh cycle.
         Stiffness = "stiffness",
+        /// Many scenes: keys varied at once, statistics and sensitivity.
+        Scan = "scan",
     }
 }
 
@@ -105,6 +108,8 @@ pub enum Part {
     RunUp(run_up::RunUpRecord),
     /// Part of a record of [`Study::Stiffness`].
     Stiffness(stiffness::StiffnessRecord),
+    /// Part of a record of [`Study::Scan`].
+    Scan(Box<scan::ScanRecord>),
 }
 
 impl Default for Part {
@@ -132,6 +137,7 @@ impl Part {
             Part::Coupling(_) => Study::Coupling,
             Part::RunUp(_) => Study::RunUp,
             Part::Stiffness(_) => Study::Stiffness,
+            Part::Scan(_) => Study::Scan,
         }
     }
 
@@ -153,6 +159,7 @@ impl Part {
                 &part.stiffness,
                 stiffness::ModelStiffness::validate,
             ),
+            Part::Scan(part) => part.validate(),
             Part::Identify(part) => {
                 each("fits", &part.fits, identify::FitRecord::validate)?;
                 each("histories", &part.histories, |h| h.series.validate())
@@ -172,6 +179,7 @@ impl Part {
         match self {
             Part::Coupling(part) => part.keep_finite(),
             Part::Sweep(part) => part.statics.retain(sweep::StaticCycle::is_finite),
+            Part::Scan(part) => part.keep_finite(),
             Part::Identify(part) => {
                 (part.fits.iter_mut()).for_each(identify::FitRecord::keep_finite);
             }
@@ -221,6 +229,10 @@ pub(crate) fn files() -> Vec<FileDescription> {
         run_up::csv::spectra(&run_up::csv::PLACEHOLDERS).described(),
         run_up::csv::order_spectra(&run_up::csv::PLACEHOLDERS).described(),
         coupling::csv::columns().described(),
+        scan::csv::cells(),
+        scan::csv::times_of_cells(),
+        scan::csv::statistics().described(),
+        scan::csv::indices().described(),
         stiffness::csv::models().described(),
         stiffness::csv::cycle(&n, 0, true).described(),
     ]
@@ -281,6 +293,7 @@ fn of_part(results: &Results) -> Result<StudyReport, DrawError> {
         Part::Coupling(part) => coupling::report(view, &part.couplings),
         Part::RunUp(part) => run_up::report(view, &part.run_ups),
         Part::Stiffness(part) => stiffness::report(&part.stiffness),
+        Part::Scan(part) => scan::report(part),
     }?;
     report.csv.extend(runs::of_study(results, &report.csv));
     Ok(report)

@@ -14,6 +14,10 @@ use crate::studies::Study;
 /// Name of the file.
 pub const RUNS: &str = "runs.csv";
 
+/// Meaning of the static transmission error of a run.
+pub const STATIC_ERROR: &str =
+    "mean static transmission error over a base pitch under the load of the study";
+
 /// A run with its place in the record.
 type Row<'a> = (usize, &'a Run);
 
@@ -37,7 +41,7 @@ pub fn identity<'a>() -> Columns<'a, &'a Run> {
         .add("fitted_to", "reference to which the model's constants were fitted", |r| r.fitted_to.clone())
         .add("calibration", "calibration of its stiffness", |r| r.calibration.clone())
         .add("reached_s", "time reached", |r| r.simulated_s).shown("Simulated", Format::Numbers(4))
-        .add("static_transmission_error_m", "mean static transmission error over a base pitch under the load of the study", |r| r.static_error_m)
+        .add("static_transmission_error_m", STATIC_ERROR, |r| r.static_error_m)
 }
 
 /// Returns the columns with the cost of a run: times, steps, evaluations, factorisations.

@@ -15,7 +15,10 @@ pub use flat::List;
 
 use clap::Parser;
 use gearbench::cli::Cli;
+use gearbench::context::Context;
+use gearbench_reference::reduction::cache::Cache;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// End of the keys that hold a hash of bits: equal on one machine, not between machines.
 pub const BITS: &str = ".bits";
@@ -233,10 +236,13 @@ pub fn studies() -> Vec<&'static str> {
 /// # Panics
 /// Where files cannot be read or written, or a command of the table does not exist.
 pub fn fingerprint(only: Option<&str>, folder: &Path) -> List {
+    // Reductions are made once.
+    let mut context = Context::default();
+    context.resources.cache = Arc::new(Cache::at(&folder.join("cache"), u64::MAX));
     let mut list = List::default();
     for part in PARTS.iter().filter(|p| only.is_none_or(|o| o == p.study)) {
         let own = folder.join(format!("{}-{}", part.study, part.name));
-        run(part, &own, &mut list);
+        run(&context, part, &own, &mut list);
     }
     list
 }
@@ -245,7 +251,7 @@ fn scenes() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("fingerprint")
 }
 
-fn run(part: &Part, own: &Path, list: &mut List) {
+fn run(context: &Context, part: &Part, own: &Path, list: &mut List) {
     std::fs::create_dir_all(own).expect("a folder for results");
     let shipped = std::fs::read_dir(scenes()).expect("the scenes of the fingerprint");
     let shipped: Vec<PathBuf> = shipped.flatten().map(|e| e.path()).collect();
@@ -264,7 +270,7 @@ fn run(part: &Part, own: &Path, list: &mut List) {
         });
         let arguments = std::iter::once("gearbench".to_owned()).chain(arguments);
         let cli = Cli::try_parse_from(arguments).unwrap_or_else(|e| panic!("{command}: {e}"));
-        let code = gearbench::cli::run(cli);
+        let code = gearbench::cli::run(context.clone(), cli);
         list.add(format!("{at}/command{i}.exit"), format!("{code:?}"));
     }
     let mut files = Vec::new();

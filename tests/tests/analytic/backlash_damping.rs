@@ -10,6 +10,7 @@
 //! Each law is linear branch by branch: the solution is put together from closed forms here, with the times of the switches
 //! by bisection, and agrees with figures that were computed apart (Runge and Kutta's method to 1e-12).
 
+use gearbench::context::Context;
 use gearbench::scene_file::{Origin, SceneFile};
 use gearbench_integrators::observers::ledger::Ledger;
 use gearbench_integrators::{Resolution, TimePlan};
@@ -168,7 +169,14 @@ damping = {{ law = "{law}", damping_ns_per_m = {damper:e} }}
 }
 
 fn read(text: &str) -> SceneFile {
-    SceneFile::unbuilt("backlash.toml", text, Origin::Shipped, false).expect("the scene is sound")
+    SceneFile::unbuilt(
+        &Context::default(),
+        "backlash.toml",
+        text,
+        Origin::Shipped,
+        false,
+    )
+    .expect("the scene is sound")
 }
 
 impl Gears {

@@ -2,6 +2,7 @@
 //! beside closed forms and beside bearings of 1 N/m.
 
 use crate::loaded_start::{scene, shipped};
+use gearbench::context::Context;
 use gearbench::experiment::small_signals::assemble;
 use gearbench::scene_file::{Origin, SceneFile};
 use gearbench::studies::modes::{ModesSettings, vibrations};
@@ -94,7 +95,14 @@ fn a_floating_sun_shares_the_load() {
         format!("directions = {{ x = \"free\", y = \"free\", {held}"),
         format!("bearing = {{ stiffness = [1, 1, 0, 0, 0, 0] }}\ndirections = {{ {held}"),
     ] {
-        let file = SceneFile::unbuilt("four", &text(&sun), Origin::Shipped, false).unwrap();
+        let file = SceneFile::unbuilt(
+            &Context::default(),
+            "four",
+            &text(&sun),
+            Origin::Shipped,
+            false,
+        )
+        .unwrap();
         let choice = file.model("rigid").unwrap();
         let spec = file.spec_for(choice);
         let mut scene = assemble(&spec, &choice.modelling, gearbench::models::models()).unwrap();
@@ -162,8 +170,14 @@ fn a_double_helical_pinion_swings_along_its_axis() {
         format!("directions = {{ z = \"free\", {held}"),
         format!("bearing = {{ stiffness = [0, 0, 1, 0, 0, 0] }}\ndirections = {{ {held}"),
     ] {
-        let file = SceneFile::unbuilt("double", &text(&along), Origin::Shipped, false)
-            .unwrap_or_else(|e| panic!("{e:?}"));
+        let file = SceneFile::unbuilt(
+            &Context::default(),
+            "double",
+            &text(&along),
+            Origin::Shipped,
+            false,
+        )
+        .unwrap_or_else(|e| panic!("{e:?}"));
         let (rigid, found) = frequencies(&file);
         println!("{along}: {rigid} rigid, {found:?} Hz");
         assert_eq!(rigid, 0);

@@ -4,6 +4,7 @@
 //! Two free gears with a Kelvin-Voigt contact are one mass `m = 1/(r1^2/I1 + r2^2/I2)` on a spring and a dashpot:
 //! `d = v0/w_d exp(-z w s) sin(w_d s)`, `f = k d + c d'` from touch-down on until it vanishes.
 
+use gearbench::context::Context;
 use gearbench::experiment::run::{Job, NO_BOUND, run};
 use gearbench_integrators::Scheme;
 use gearbench_integrators::table::{DOPRI5, RK4, VELOCITY_VERLET};
@@ -92,7 +93,7 @@ impl Impact {
         run(&Job {
             scene: &case_a(GAP),
             modelling: &modelling,
-            models: gearbench::models::models(),
+            context: &Context::default(),
             method,
             t_end: T_END,
             grid: &grid,

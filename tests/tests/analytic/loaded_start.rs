@@ -1,6 +1,7 @@
 //! Scenes that start in the equilibrium of their loads: only the train as a whole accelerates.
 
 use crate::pin_starts::PINS;
+use gearbench::context::Context;
 use gearbench::experiment::small_signals::assemble;
 use gearbench::scene_file::{Origin, SceneFile, shipped::SHIPPED};
 use gearbench_integrators::system::{Change, SecondOrderSystem, State};
@@ -21,7 +22,7 @@ pub(crate) fn shipped(name: &str, loaded: bool, changes: &[(&str, &str)]) -> Sce
         assert!(text.contains(from), "{from}");
         text = text.replace(from, to);
     }
-    SceneFile::unbuilt(name, &text, Origin::Shipped, true).unwrap()
+    SceneFile::unbuilt(&Context::default(), name, &text, Origin::Shipped, true).unwrap()
 }
 
 /// Builds a model of such a scene.
@@ -227,7 +228,8 @@ fn user_pair((pinion, wheel): (&str, &str), law: &str) -> SceneFile {
          [[models]]\nmodel = \"elastic\"\nparameters = {{ modes = 10, damping_ratio = 0.02, flank_elements = 6, width_elements = 1 }}\n\
          contact = {{ penalty_pa_per_m = 1e15 }}\n"
     );
-    SceneFile::unbuilt("pair", &text, Origin::Shipped, true).unwrap_or_else(|e| panic!("{e:?}"))
+    SceneFile::unbuilt(&Context::default(), "pair", &text, Origin::Shipped, true)
+        .unwrap_or_else(|e| panic!("{e:?}"))
 }
 
 /// All models, mounts and damping laws start in equilibrium.
@@ -346,7 +348,7 @@ fn trigonometric_starts_at_rest_under_load() {
         (bearing, elastic("modes = 40", "penalty_pa_per_m = 1e15")),
     ] {
         let text = gears(bearing) + &model;
-        let file = SceneFile::unbuilt("pair", &text, Origin::Shipped, true)
+        let file = SceneFile::unbuilt(&Context::default(), "pair", &text, Origin::Shipped, true)
             .unwrap_or_else(|e| panic!("{e:?}"));
         let choice = file.model("elastic").unwrap();
         let models = gearbench::models::models();

@@ -1,5 +1,6 @@
 //! Movable teeth with closed-form deviations of the teeth out of contact, compared with all teeth integrated.
 
+use gearbench::context::Context;
 use gearbench::scene_file::{Origin, SceneFile};
 use gearbench_integrators::observers::ledger::Ledger;
 use gearbench_integrators::{
@@ -320,7 +321,8 @@ fn active_teeth_equal_all_teeth_at_a_meganewton() {
         parameters = { tooth_stiffness_n_per_m = 4e9, tooth_mass_kg = 1.5, tooth_damping_ns_per_m = 5000.0, integrate = \"active\" }\n";
     let [active, all] = ["active", "all"].map(|teeth| {
         let text = text.replace("\"active\"", &format!("{teeth:?}"));
-        let file = SceneFile::unbuilt("big", &text, Origin::Shipped, true).unwrap();
+        let file =
+            SceneFile::unbuilt(&Context::default(), "big", &text, Origin::Shipped, true).unwrap();
         let choice = file.model("movable-teeth").unwrap();
         let models = gearbench::models::models();
         let mut scene = Scene::build(&file.spec_for(choice), &choice.modelling, models).unwrap();

@@ -2,6 +2,7 @@
 //! `T + J a` over the base radius of the wheel, so that they part where the shaft slows the wheel down by more than `T/J`:
 //! `A w^2 z1/z2 > T/J` with the amplitude `A` of the shaft's angle, if teeth are stiff.
 
+use gearbench::context::Context;
 use gearbench::scene_file::{self, SceneFile, Selection};
 use gearbench_integrators::{
     AcceptedStep, Control, Report, Resolution, SecondOrderSystem, Sink, State, TimePlan,
@@ -130,7 +131,12 @@ fn onset(
 }
 
 fn shipped(labels: &str) -> SceneFile {
-    scene_file::load_for("gearbox_rattle", Selection::Labels(Some(labels))).unwrap()
+    scene_file::load_for(
+        &Context::default(),
+        "gearbox_rattle",
+        Selection::Labels(Some(labels)),
+    )
+    .unwrap()
 }
 
 /// Stiff teeth of one stiffness, at rest on average: the closed form, to what their compliance adds, `(w/w0)^2`.

@@ -1,5 +1,6 @@
 //! Content of a record for gears and meshes: all of them, each in its unit.
 
+use gearbench::context::Context;
 use gearbench::experiment::run::{Job, run};
 use gearbench_integrators::Scheme;
 use gearbench_integrators::table::VELOCITY_VERLET;
@@ -19,7 +20,7 @@ fn history(spec: &SceneSpec) -> TimeSeries {
     let job = Job {
         scene: spec,
         modelling: &modelling,
-        models: gearbench::models::models(),
+        context: &Context::default(),
         method: &method,
         t_end: 3e-4,
         grid: &grid,

@@ -1,5 +1,6 @@
 //! Scenes that cannot be assembled: every message has the cause and a remedy.
 
+use gearbench::context::Context;
 use gearbench::scene_file::{Origin, SceneFile};
 use gearbench_models::geometry::Side;
 use gearbench_models::law::Damping;
@@ -264,13 +265,20 @@ fn gaps_are_compared_with_the_normal_backlash() {
                 -helix
             )
         };
-        let scene = SceneFile::unbuilt("pair", &text(""), Origin::Shipped, true).unwrap();
+        let scene = SceneFile::unbuilt(
+            &Context::default(),
+            "pair",
+            &text(""),
+            Origin::Shipped,
+            true,
+        )
+        .unwrap();
         let spec = scene.spec_for(scene.model("rigid").unwrap());
         let [one, two] = [0, 1].map(|i| &spec.gears[i]);
         let normal = mesh_layout(one, two).unwrap().pair.backlash_normal();
         let with = |part: f64| {
             let text = text(&format!(", gap_m = {:e}", part * normal));
-            SceneFile::unbuilt("pair", &text, Origin::Shipped, true)
+            SceneFile::unbuilt(&Context::default(), "pair", &text, Origin::Shipped, true)
         };
         assert!(with(0.999).is_ok(), "{helix} degrees");
         let shown = with(1.001).err().unwrap().to_string();

@@ -1,5 +1,6 @@
 //! Run-ups between given speeds: the speeds follow the ramp whatever the loads of the scene are.
 
+use gearbench::context::Context;
 use gearbench::experiment::conditions::Conditions;
 use gearbench::experiment::configuration::Configuration;
 use gearbench::experiment::runner::Runner;
@@ -23,7 +24,14 @@ fn gearbox(motor: &str, machine: &str) -> SceneFile {
          meshes = [{{ gears = [\"p1\", \"w1\"], backlash_m = 60e-6 }}, {{ gears = [\"p2\", \"w2\"], backlash_m = 60e-6, direction_deg = 90 }}]\n\
          models = [{{ model = \"rigid\", contact = {{ stiffness = \"iso6336\", damping = {{ law = \"ratio-at-load\", ratio = 0.05 }} }} }}]\n"
     );
-    SceneFile::unbuilt("two_stage", &text, Origin::Shipped, true).unwrap()
+    SceneFile::unbuilt(
+        &Context::default(),
+        "two_stage",
+        &text,
+        Origin::Shipped,
+        true,
+    )
+    .unwrap()
 }
 
 /// The drive supplies the torque of the loads: the gearbox reaches the speed of the ramp. The largest measured

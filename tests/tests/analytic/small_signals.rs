@@ -2,6 +2,7 @@
 //! the accelerated train, constraints, order.
 
 use crate::shafts::{bar, body, coupling, on, shaft};
+use gearbench::context::Context;
 use gearbench::studies::modes::{ModesSettings, vibrations};
 use gearbench_models::geometry::Side;
 use gearbench_models::law::Damping;
@@ -266,7 +267,7 @@ fn order_is_no_matter() {
 /// The shipped driveline under its load: frequencies of the same train with a rigid mesh, a per cent below.
 #[test]
 fn shipped_driveline_swings_under_load() {
-    let file = gearbench::scene_file::load("driveline").unwrap();
+    let file = gearbench::scene_file::load(&Context::default(), "driveline").unwrap();
     let all = gearbench::models::models();
     for (choice, teeth) in file.models.iter().zip([false, true]) {
         let scene = (&file.spec_for(choice), &choice.modelling);

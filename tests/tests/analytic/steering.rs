@@ -1,6 +1,7 @@
 //! Clunk and rattle of the shipped steering gear (`steering_rattle`): the road force turns round, the rack crosses the backlash
 //! and strikes the other flanks. The clunk is the first stay on these, rattle begins when the pinion leaves them again.
 
+use gearbench::context::Context;
 use gearbench::scene_file::{self, Selection};
 use gearbench_integrators::observers::Tee;
 use gearbench_integrators::observers::ledger::Ledger;
@@ -77,7 +78,12 @@ impl Sink for Watch {
 
 /// Runs a model of the scene.
 fn of(label: &str, (method, resolution): (&str, Resolution), until: f64) -> (Clunk, Ledger, State) {
-    let file = scene_file::load_for("steering_rattle", Selection::Labels(Some(label))).unwrap();
+    let file = scene_file::load_for(
+        &Context::default(),
+        "steering_rattle",
+        Selection::Labels(Some(label)),
+    )
+    .unwrap();
     let model = file.model(label).unwrap();
     let models = gearbench::models::models();
     let mut scene = Scene::build(&file.spec_for(model), &model.modelling, models).unwrap();

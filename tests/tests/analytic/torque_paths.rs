@@ -3,6 +3,7 @@
 //! Mesh stiffness is constant, so that a train that has come to rest in itself carries the torques that statics say: nothing
 //! excites it.
 
+use gearbench::context::Context;
 use gearbench::experiment::conditions::Conditions;
 use gearbench::experiment::runner::Runner;
 use gearbench::scene_file::{Origin, SceneFile};
@@ -24,7 +25,7 @@ fn run_of(text: &str, duration: f64) -> Run {
     let text = format!(
         "schema = 1\nname = \"paths\"\ntitle = \"Paths\"\nduration_s = {duration:?}\n{text}{CONTACT}"
     );
-    let scene = SceneFile::parse("paths", &text, Origin::Shipped, false)
+    let scene = SceneFile::parse(&Context::default(), "paths", &text, Origin::Shipped, false)
         .unwrap_or_else(|e| panic!("{e:?}"));
     let choices = scene.select(None).unwrap();
     let plan = Plan {

@@ -77,7 +77,7 @@ fn impacts_keep_energy_and_momentum_under_every_method() {
             held.insert((subject.model.id, method.info.id));
         }
     }
-    for model in gearbench::models::models() {
+    for model in &*joined().models {
         let methods = held.iter().filter(|(id, _)| *id == model.id).count();
         let least = if model.properties.full_order {
             1

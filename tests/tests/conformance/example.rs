@@ -3,7 +3,7 @@
 use clap::Parser;
 use gearbench::cli::{Cli, run};
 use gearbench_reports::record::{Part, Results};
-use gearbench_tests::elastic_web;
+use gearbench_tests::{elastic_web, joined};
 use std::path::Path;
 use std::process::ExitCode;
 
@@ -19,7 +19,7 @@ fn study(folder: &Path, command: &str) -> Option<Results> {
     let arguments = words.chain(paths.map(Into::into)).chain(options);
     let cli = Cli::try_parse_from(arguments.collect::<Vec<std::ffi::OsString>>()).unwrap();
     // Short runs may not settle: a result that falls short is one.
-    if ![ExitCode::SUCCESS, ExitCode::from(1)].contains(&run(cli)) {
+    if ![ExitCode::SUCCESS, ExitCode::from(1)].contains(&run(joined(), cli)) {
         return None;
     }
     let record = std::fs::read_to_string(out.join("results.json")).unwrap();
@@ -28,7 +28,6 @@ fn study(folder: &Path, command: &str) -> Option<Results> {
 
 #[test]
 fn a_model_that_joins_the_table_runs_through_the_studies() {
-    gearbench::models::join(elastic_web::MODEL);
     let folder = tempfile::tempdir().unwrap();
     for (command, runs) in [
         ("compare --repeats 1", 3),

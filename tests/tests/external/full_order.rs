@@ -3,6 +3,7 @@
 //! Same elements, same penalty, faceted flanks on both sides; what is left is how contact is integrated over
 //! the faces and the scheme in time. Limits stand a little above what was found, far inside what is asked.
 
+use gearbench::context::Context;
 use gearbench::experiment::conditions::Conditions;
 use gearbench::experiment::runner::Runner;
 use gearbench::models::models;
@@ -21,7 +22,8 @@ use std::sync::LazyLock;
 /// Loads a scene with these models, and its reference.
 pub(crate) fn load(name: &str, labels: &str) -> (SceneFile, ExternalReference) {
     let wanted = scene_file::Selection::Labels(Some(labels));
-    let scene = scene_file::load_for(name, wanted).unwrap_or_else(|e| panic!("{e:?}"));
+    let scene =
+        scene_file::load_for(&Context::default(), name, wanted).unwrap_or_else(|e| panic!("{e:?}"));
     let external = crate::on_one_mesh(&scene);
     (scene, external)
 }

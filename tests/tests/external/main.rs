@@ -6,6 +6,7 @@ mod elastic;
 mod full_order;
 mod half_space;
 
+use gearbench::context::Context;
 use gearbench::experiment::conditions::Conditions;
 use gearbench::experiment::runner::Runner;
 use gearbench::scene_file;
@@ -36,7 +37,11 @@ fn on_one_mesh(scene: &scene_file::SceneFile) -> ExternalReference {
 /// Returns the metrics of each model of a scene relative to its reference, by label, under a strict adaptive method.
 fn against_reference(name: &str) -> (Vec<(String, Metrics)>, ExternalReference) {
     let labels = Some("rigid,movable-teeth");
-    let scene = scene_file::load_for(name, scene_file::Selection::Labels(labels));
+    let scene = scene_file::load_for(
+        &Context::default(),
+        name,
+        scene_file::Selection::Labels(labels),
+    );
     let scene = scene.unwrap_or_else(|e| panic!("{e:?}"));
     let external = stored(&scene);
     let choices = scene.select(labels).unwrap();
@@ -136,7 +141,8 @@ fn case_c_in_force_impulse_and_rebound() {
 fn identification_finds_the_stored_rigid_calibration_again() {
     let name = "spur_impact";
     let wanted = scene_file::Selection::Labels(Some("rigid"));
-    let scene = scene_file::load_uncalibrated(name, wanted).unwrap_or_else(|e| panic!("{e:?}"));
+    let scene = scene_file::load_uncalibrated(&Context::default(), name, wanted)
+        .unwrap_or_else(|e| panic!("{e:?}"));
     let external = stored(&scene);
     let choice = scene.model("rigid").unwrap();
     let history = &external.history;
@@ -144,7 +150,7 @@ fn identification_finds_the_stored_rigid_calibration_again() {
     let plan = FitPlan {
         label: choice.label.clone(),
         modelling: choice.modelling.clone(),
-        models: MODELS,
+        context: scene.context.clone(),
         data: vec![DataSet::history(
             name,
             &spec,
@@ -155,7 +161,8 @@ fn identification_finds_the_stored_rigid_calibration_again() {
         wishes: FitOptions::default(),
     };
     let found = identify(&plan, &Runner::default(), |_, _| {}).unwrap();
-    let calibrated = scene_file::load_for(name, wanted).unwrap_or_else(|e| panic!("{e:?}"));
+    let calibrated =
+        scene_file::load_for(&Context::default(), name, wanted).unwrap_or_else(|e| panic!("{e:?}"));
     let constants = calibrated
         .model("rigid")
         .unwrap()
@@ -190,6 +197,7 @@ fn identification_finds_the_stored_rigid_calibration_again() {
         let mut built = gearbench_models::scene::Scene::build(&spec, &modelling, MODELS).unwrap();
         let mut dopri5 = gearbench_integrators::table::DOPRI5.build();
         let force = gearbench::experiment::run::force_on_grid(
+            &Context::default(),
             &mut built,
             dopri5.as_mut(),
             Resolution::Tolerance(1e-8),

@@ -5,6 +5,7 @@
 
 mod wrong_laws;
 
+use gearbench::context::Context;
 use gearbench::experiment::run::{Job, NO_BOUND, run};
 use gearbench::experiment::status::{RunMonitor, against_contact, judge};
 use gearbench_integrators::Scheme;
@@ -70,7 +71,10 @@ impl FailureCase {
         run(&Job {
             scene: &self.scene,
             modelling: &self.modelling(),
-            models: &models(),
+            context: &Context {
+                models: models().into(),
+                ..Context::default()
+            },
             method: &Scheme {
                 method: text.parse().unwrap(),
                 resolution,
@@ -80,6 +84,7 @@ impl FailureCase {
             also_steps: true,
             forces: false,
             torques: false,
+            paths: false,
             histories: false,
             pictures: None,
             events: self.events,

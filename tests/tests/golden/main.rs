@@ -1,12 +1,10 @@
 //! Golden results: every study on small scenes, with all models, compared with stored values.
 
-use gearbench_reference::reduction::cache::{self, Cache};
 use gearbench_tests::fingerprint::{List, Renames, fingerprint, off_golden};
 
 #[test]
 fn every_study_computes_what_is_stored() {
     let folder = tempfile::tempdir().unwrap();
-    cache::choose(Cache::at(&folder.path().join("cache"), u64::MAX));
     let renames = Renames::of_text(include_str!("../../golden/renames.txt"));
     let stored = renames.apply(&List::of_text(include_str!("../../golden/fingerprint.txt")));
     assert!(

@@ -2,6 +2,7 @@
 //! explicit methods fail beyond their limit; implicit ones run with steps ten times as long.
 
 use super::entry;
+use gearbench::context::Context;
 use gearbench::experiment::configuration::Configuration;
 use gearbench::experiment::run::{Job, NO_BOUND, run};
 use gearbench::models::models;
@@ -15,7 +16,7 @@ fn run_with(entry: &Configuration, text: &str, step: f64, t_end: f64) -> Run {
     run(&Job {
         scene: &entry.scene,
         modelling: &entry.modelling,
-        models: models(),
+        context: &Context::default(),
         method: &Scheme {
             method: text.parse().unwrap(),
             resolution: Resolution::Step(step),
@@ -25,6 +26,7 @@ fn run_with(entry: &Configuration, text: &str, step: f64, t_end: f64) -> Run {
         also_steps: false,
         forces: false,
         torques: false,
+        paths: false,
         histories: false,
         pictures: None,
         events: true,

@@ -3,6 +3,7 @@
 //! The table: `cargo test --release -p gearbench-tests --test limits -- --nocapture`.
 #![allow(clippy::print_stdout)]
 
+use gearbench::context::Context;
 use gearbench::experiment::configuration::Configuration;
 use gearbench::models::models;
 use gearbench::scene_file::{Selection, load_for};
@@ -15,7 +16,8 @@ mod in_the_scene;
 
 /// Returns an entry of a shipped scene.
 fn entry(scene: &str, label: &str) -> Configuration {
-    let scene = load_for(scene, Selection::Labels(Some(label))).unwrap_or_else(|e| panic!("{e:?}"));
+    let scene = load_for(&Context::default(), scene, Selection::Labels(Some(label)))
+        .unwrap_or_else(|e| panic!("{e:?}"));
     Configuration::of(&scene, scene.model(label).unwrap())
 }
 

@@ -1,6 +1,7 @@
 //! One impact of a pinion on a ring: elastic gears compared with full finite elements, and ledgers.
 
 use super::*;
+use gearbench::context::Context;
 use gearbench::experiment::conditions::Conditions;
 use gearbench::experiment::runner::Runner;
 use gearbench::scene_file::{SceneFile, Selection, load_for};
@@ -14,7 +15,7 @@ use gearbench_tests::{Impulse, watched};
 
 fn scene() -> SceneFile {
     let wanted = Selection::Labels(Some("elastic,fe"));
-    load_for("ring_impact", wanted).unwrap_or_else(|e| panic!("{e:?}"))
+    load_for(&Context::default(), "ring_impact", wanted).unwrap_or_else(|e| panic!("{e:?}"))
 }
 
 fn run(scene: &SceneFile, label: &str, modes: Option<f64>) -> Run {

@@ -2,6 +2,7 @@
 //! on fixed axes, and on a carrier, where energy and angular momentum are conserved.
 
 use super::*;
+use gearbench::context::Context;
 use gearbench::scene_file::{Selection, load_for};
 use gearbench_integrators::equilibrium::{EquilibriumOptions, equilibrium};
 use gearbench_integrators::{Resolution, TimePlan};
@@ -19,7 +20,11 @@ const OFF_PLACE: f64 = 5e-5;
 
 /// Returns the set of the scene `planetary`.
 fn set() -> SceneSpec {
-    let scene = load_for("planetary", Selection::Labels(Some("rigid")));
+    let scene = load_for(
+        &Context::default(),
+        "planetary",
+        Selection::Labels(Some("rigid")),
+    );
     scene.unwrap_or_else(|e| panic!("{e:?}")).spec
 }
 

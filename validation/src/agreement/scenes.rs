@@ -425,6 +425,7 @@ carries = [{{ body = \"carrier\", at_m = 0.0, inertia_kgm2 = 2e-3, planets = [\"
 #[cfg(test)]
 mod tests {
     use super::*;
+    use gearbench::context::Context;
     use gearbench::scene_file::{Origin, SceneFile};
 
     /// Every scene can be read, and scenes are independent of each other.
@@ -433,7 +434,13 @@ mod tests {
         for number in 1..=SCENES {
             let of = scene(number);
             assert_eq!(of.text, scene(number).text);
-            let read = SceneFile::unbuilt("scene.toml", &of.text, Origin::Shipped, false);
+            let read = SceneFile::unbuilt(
+                &Context::default(),
+                "scene.toml",
+                &of.text,
+                Origin::Shipped,
+                false,
+            );
             assert!(read.is_ok(), "{number}: {:?}\n{}", read.err(), of.text);
         }
     }

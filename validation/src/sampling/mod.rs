@@ -25,6 +25,7 @@ mod tests;
 mod text;
 mod toothing;
 
+use gearbench::context::Context;
 pub use sets::{SampleError, Set, set};
 
 pub use distributions::Kind;
@@ -146,7 +147,8 @@ pub fn full_order(set: &Set) -> Result<Vec<usize>, SampleError> {
 /// Builds the scene of some parameters, or returns the reason for their rejection.
 fn sound(p: &Parameters) -> Result<Result<(String, SceneFile), &'static str>, SampleError> {
     let file = format!("{}-{}.toml", p.set, p.number);
-    let parse = |text: &str| SceneFile::unbuilt(&file, text, Origin::Shipped, false);
+    let parse =
+        |text: &str| SceneFile::unbuilt(&Context::default(), &file, text, Origin::Shipped, false);
     let unplaced = parse(&text::scene(p, None, p.window))?;
     let [a, b] = [0, 1].map(|i| &unplaced.spec.gears[i]);
     let [start, end] = mesh_layout(a, b)?.path;

@@ -2,6 +2,7 @@ use super::distributions::{Second, TOLERANCES};
 use super::random::{Random, short};
 use super::toothing::{PAIRS, RACKS};
 use super::*;
+use gearbench::context::Context;
 use gearbench::models::models;
 use gearbench::scene_file::{Origin, SceneFile};
 use std::collections::BTreeSet;
@@ -149,7 +150,14 @@ fn every_toothing_is_built() {
         for second in [Second::Free, Second::Fixed] {
             p.second = second;
             let text = text::scene(&p, None, 1e-4);
-            let file = SceneFile::unbuilt("sample.toml", &text, Origin::Shipped, false).unwrap();
+            let file = SceneFile::unbuilt(
+                &Context::default(),
+                "sample.toml",
+                &text,
+                Origin::Shipped,
+                false,
+            )
+            .unwrap();
             let labels: Vec<&str> = file.models.iter().map(|m| m.label.as_str()).collect();
             let expected = ["rigid", "movable-teeth", "elastic", "densest", "fe"];
             assert_eq!(labels, expected);

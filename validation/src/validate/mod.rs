@@ -14,7 +14,6 @@ mod tests;
 
 use crate::sampling::{Sample, SampleError};
 pub use full_order::against_full;
-use gearbench::experiment::interruption;
 use gearbench::experiment::journal::JournalError;
 use gearbench::experiment::machine::cpu_time;
 use gearbench::experiment::run::RunError;
@@ -84,7 +83,7 @@ pub fn validate(sample: &Sample) -> Result<ValidatedChoice, ValidationError> {
         ..ValidatedChoice::default()
     };
     if let Err(e) = validate_into(&mut row, sample) {
-        if interruption::requested() {
+        if sample.scene.context.interruption.is_requested() {
             return Err(e);
         }
         row.outcome = Outcome::NotValidated;

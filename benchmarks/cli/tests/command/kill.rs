@@ -13,13 +13,14 @@ const KILLS: usize = 20;
 const SEED: u64 = 0x6765_6172_2d6b_696c;
 
 /// Studies whose pieces take some milliseconds each.
-const QUICK: [&str; 5] = [
+const QUICK: [&str; 6] = [
     "stability spur_rotation --models rigid --integrators velocity-verlet,rk4,newmark \
      --axis contact-stiffness=0.1:100:6 --steps 5e-7:2e-4:10 --duration 2e-3 --threads 2",
     "compare spur_impact --models rigid,rigid-iso6336,movable-teeth --repeats 1",
     "precision spur_impact --models rigid,rigid-iso6336 --integrators velocity-verlet,rk4,dopri5",
     "sweep loaded_mesh --models rigid --from 1000 --to 3000 --points 24 --cycles 4",
     "identify spur_impact --model rigid",
+    "scan spur_impact --models rigid,movable-teeth --vary gears.pinion.speed_rad_s=uniform(10,100) --samples 600 --threads 2",
 ];
 /// Studies that reduce finite elements first, or run them.
 const SLOW: [&str; 3] = [

@@ -22,6 +22,7 @@ mod precision;
 mod reduce;
 mod reference;
 mod rerun;
+mod scan;
 mod seeds;
 mod signals;
 mod stiffness;

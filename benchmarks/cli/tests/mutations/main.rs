@@ -14,6 +14,7 @@
 
 mod generator;
 
+use gearbench::context::Context;
 use gearbench::experiment::conditions::Conditions;
 use gearbench::experiment::runner::Runner;
 use gearbench::scene_file::{Origin, SceneFile};
@@ -140,7 +141,14 @@ fn changes(number: usize) -> String {
 
 /// Reads a scene and compares its models without elements, up to a bound of steps.
 fn compared(text: &str) -> Option<gearbench_reports::record::Results> {
-    let file = SceneFile::unbuilt("mutated.toml", text, Origin::Shipped, false).ok()?;
+    let file = SceneFile::unbuilt(
+        &Context::default(),
+        "mutated.toml",
+        text,
+        Origin::Shipped,
+        false,
+    )
+    .ok()?;
     let choices: Vec<_> = (file.models.iter())
         .filter(|m| m.model == "rigid" || m.model == "movable-teeth")
         .collect();

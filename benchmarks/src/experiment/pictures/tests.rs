@@ -1,6 +1,7 @@
 //! Frames are read back and compared with their run.
 
 use super::*;
+use crate::context::Context;
 use crate::experiment::runner::Runner;
 use crate::scene_file::{Origin, SceneFile};
 use crate::studies::compare::{FramePlan, Plan, compare};
@@ -168,7 +169,14 @@ start = { flank = "left", gap_m = 1e-6 }
 
 fn scene(model: &str) -> SceneFile {
     let text = format!("{RIGID}{model}");
-    SceneFile::unbuilt("pictured.toml", &text, Origin::Shipped, false).unwrap()
+    SceneFile::unbuilt(
+        &Context::default(),
+        "pictured.toml",
+        &text,
+        Origin::Shipped,
+        false,
+    )
+    .unwrap()
 }
 
 /// Rigid gears rotate by the angles of their hubs, and their tip radii are kept.

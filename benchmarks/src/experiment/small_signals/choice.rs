@@ -2,9 +2,7 @@
 
 use crate::experiment::run::LEFT_OUT;
 use crate::experiment::settings::settings;
-use crate::models::models;
 use crate::scene_file::{ModelChoice, SceneError, SceneFile};
-use gearbench_models::gear::table::properties_of;
 
 /// The advice for full finite elements.
 const TAKE_ELASTIC: &str =
@@ -26,7 +24,7 @@ pub fn selected_models<'s>(
     let large = |c: &&ModelChoice| {
         let ids = c.modelling.gears.iter().map(|g| g.id.as_str());
         ids.chain([c.model.as_str()])
-            .any(|id| properties_of(models(), id).full_order)
+            .any(|id| scene.properties_of(id).full_order)
     };
     let (left, taken): (Vec<&ModelChoice>, Vec<&ModelChoice>) =
         choices.into_iter().partition(large);

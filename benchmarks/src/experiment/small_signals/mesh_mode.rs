@@ -8,7 +8,6 @@ use super::cycle::{PHASES, Resonance, mesh_mode_at, running};
 use super::motions::energies;
 use super::{LoadedState, LoadedStateError, has_loads, loaded, settled};
 use crate::experiment::configuration::Configuration;
-use crate::experiment::interruption;
 use crate::experiment::journal::JournalError;
 use crate::experiment::key::Key;
 use crate::experiment::runner::Runner;
@@ -140,7 +139,7 @@ pub fn mesh_modes<'e>(
 ) -> Result<Vec<MeshMode>, JournalError> {
     let mut all = Vec::new();
     for entry in entries {
-        if interruption::requested() {
+        if runner.is_interrupted() {
             break;
         }
         let key = Key::new("mesh mode").and_scene(&entry.scene, &entry.modelling);

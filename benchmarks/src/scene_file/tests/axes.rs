@@ -1,6 +1,7 @@
 //! Axes of cylindrical gears: parallel but for small misalignments, through whatever key they are tilted.
 
 use super::{BASE, SHIPPED_BEVELOID, parse, render};
+use crate::context::Context;
 
 const WHEEL: &str = "mount = \"revolute\"\n";
 const PINION: &str = "speed_rad_s = 20.0\n";
@@ -135,7 +136,12 @@ fn racks_and_gears_of_any_helix_are_refused_alike_and_conical_gears_are_not() {
     check(&rack(""), None);
     check(&rack(&axis(10.0, true)), Some("axis"));
     // Their axes intersect at 10 degrees.
-    let scene =
-        super::SceneFile::unbuilt("beveloid", SHIPPED_BEVELOID, super::Origin::Shipped, true);
+    let scene = super::SceneFile::unbuilt(
+        &Context::default(),
+        "beveloid",
+        SHIPPED_BEVELOID,
+        super::Origin::Shipped,
+        true,
+    );
     assert!(scene.is_ok());
 }

@@ -2,6 +2,7 @@
 
 use super::super::{Origin, SceneFile};
 use super::{changed, render};
+use crate::context::Context;
 use gearbench_models::law::{Damping, FrictionForm};
 use gearbench_models::spec::{ContactSpec, Passes, PointContact, PointRule, SurfaceKind};
 use gearbench_models::stiffness::{
@@ -12,7 +13,13 @@ use gearbench_models::stiffness::{
 /// The contact of a model of the base scene with a piece replaced; the model need not have contact points.
 fn contact(model: usize, from: &str, to: &str) -> ContactSpec {
     let text = changed(from, to);
-    let scene = SceneFile::unbuilt("test.toml", &text, Origin::Shipped, true);
+    let scene = SceneFile::unbuilt(
+        &Context::default(),
+        "test.toml",
+        &text,
+        Origin::Shipped,
+        true,
+    );
     let scene = scene.unwrap_or_else(|e| panic!("{}", render(&e)));
     scene.models[model].modelling.contacts[0].clone()
 }

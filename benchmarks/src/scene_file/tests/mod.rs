@@ -17,6 +17,7 @@ mod values;
 
 use super::reading::keys::tables;
 use super::{Origin, SceneError, SceneFile};
+use crate::context::Context;
 use gearbench_models::geometry::Gear;
 use gearbench_models::spec::Body;
 use miette::{GraphicalReportHandler, GraphicalTheme};
@@ -75,7 +76,13 @@ max_steps = 1000
 "#;
 
 fn parse(text: &str) -> Result<SceneFile, SceneError> {
-    SceneFile::parse("test.toml", text, Origin::Shipped, true)
+    SceneFile::parse(
+        &Context::default(),
+        "test.toml",
+        text,
+        Origin::Shipped,
+        true,
+    )
 }
 
 /// The base scene with one piece of text replaced.

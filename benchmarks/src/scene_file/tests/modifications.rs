@@ -1,6 +1,7 @@
 //! Flanks that vary over the width.
 
 use super::{BASE, toothing_of};
+use crate::context::Context;
 use crate::scene_file::{Origin, SceneFile};
 use gearbench_models::geometry::{ReliefShape, Side};
 
@@ -18,7 +19,7 @@ fn flanks_that_vary_over_the_width() {
                 topography = { unit_m = 1e-6, left = \"flank.csv\", right = [[0, 1], [2, 3]], heights_m = [-4e-3, 4e-3] }";
     let text = BASE.replacen("teeth = 20", keys, 1);
     let origin = Origin::File(folder.path().join("test.toml"));
-    let scene = SceneFile::unbuilt("test.toml", &text, origin, true).unwrap();
+    let scene = SceneFile::unbuilt(&Context::default(), "test.toml", &text, origin, true).unwrap();
     let gear = toothing_of(&scene, 0);
     let m = &gear.params().modifications;
     assert_eq!((m.helix_slope, m.twist), ([8e-6, 0.0], [-5e-6, -5e-6]));

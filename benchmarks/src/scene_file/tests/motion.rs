@@ -1,12 +1,19 @@
 //! Warnings on initial speeds and loads that do not suit the gear train, and scenes without warnings.
 
 use super::render;
+use crate::context::Context;
 use crate::scene_file::{Origin, SceneFile};
 use gearbench_models::spec::Train;
 
 /// Reads a scene without its models, which are not tested here.
 fn read(text: &str) -> SceneFile {
-    let scene = SceneFile::unbuilt("test.toml", text, Origin::Shipped, false);
+    let scene = SceneFile::unbuilt(
+        &Context::default(),
+        "test.toml",
+        text,
+        Origin::Shipped,
+        false,
+    );
     scene.unwrap_or_else(|e| panic!("{}", render(&e)))
 }
 
@@ -339,7 +346,14 @@ fn planetary_sets_run_at_the_speed_of_their_carrier() {
 fn a_tip_that_interferes_has_a_shorter_addendum() {
     let whole = format!("{PLANETS}{TAIL}");
     let text = whole.replace(", addendum_factor = 0.85", "");
-    let e = SceneFile::unbuilt("test.toml", &text, Origin::Shipped, false).unwrap_err();
+    let e = SceneFile::unbuilt(
+        &Context::default(),
+        "test.toml",
+        &text,
+        Origin::Shipped,
+        false,
+    )
+    .unwrap_err();
     let help = e.help_text().unwrap();
     assert!(help.contains("give `ring` addendum_factor = 0."), "{help}");
     assert!(e.message().contains("the tip of `ring`"), "{}", e.message());
@@ -358,7 +372,14 @@ fn a_ring_without_a_place_is_put_on_the_axis() {
         "addendum_factor = 0.85, position_m = [0.0, 0.0]",
         "addendum_factor = 0.85",
     );
-    let e = SceneFile::unbuilt("test.toml", &text, Origin::Shipped, false).unwrap_err();
+    let e = SceneFile::unbuilt(
+        &Context::default(),
+        "test.toml",
+        &text,
+        Origin::Shipped,
+        false,
+    )
+    .unwrap_err();
     let help = e.help_text().unwrap();
     assert!(
         help.contains("`position_m = [0.0, 0.0]` to `ring`"),

@@ -2,6 +2,7 @@
 
 use super::super::SHIPPED;
 use super::{changed, parse, read, render};
+use crate::context::Context;
 use crate::models::models;
 use gearbench_models::scene::Scene;
 
@@ -107,7 +108,7 @@ fn millimetres_are_said() {
 #[test]
 fn nothing_of_the_shipped_scenes_is_odd() {
     for s in SHIPPED {
-        let scene = crate::scene_file::load_unbuilt(s.name).unwrap();
+        let scene = crate::scene_file::load_unbuilt(&Context::default(), s.name).unwrap();
         assert!(scene.odd.is_empty(), "{:?}", scene.odd);
     }
 }

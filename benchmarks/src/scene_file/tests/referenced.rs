@@ -3,6 +3,7 @@
 use super::super::references::Role;
 use super::super::{Origin, SHIPPED, SceneError, SceneFile, load_unbuilt};
 use super::{BASE, changed, parse, render};
+use crate::context::Context;
 use gearbench_models::spec::{Load, Profile};
 use gearbench_reference::REFERENCES;
 use gearbench_reference::data::Quantity;
@@ -12,7 +13,7 @@ use tempfile::TempDir;
 fn shipped_scenes_are_of_their_references() {
     let mut held = 0;
     for s in SHIPPED {
-        let mut scene = load_unbuilt(s.name).unwrap();
+        let mut scene = load_unbuilt(&Context::default(), s.name).unwrap();
         let found = scene.load_references(false);
         held += found.unwrap_or_else(|e| panic!("{}", render(&e))).len();
     }
@@ -37,7 +38,14 @@ fn a_helical_scene_is_of_its_own_reference_alone() {
     ] {
         let other = format!("reference = \"calculix/{other}\"");
         let text = text.replace("reference = \"calculix/helical\"", &other);
-        let mut scene = SceneFile::unbuilt("test.toml", &text, Origin::Shipped, true).unwrap();
+        let mut scene = SceneFile::unbuilt(
+            &Context::default(),
+            "test.toml",
+            &text,
+            Origin::Shipped,
+            true,
+        )
+        .unwrap();
         let shown = render(&scene.load_references(false).unwrap_err());
         let shown = shown.split_whitespace().collect::<Vec<_>>().join(" ");
         assert!(shown.contains(word), "{shown}");
@@ -89,14 +97,19 @@ fn a_reference_of_other_gears_is_refused_with_both_values() {
 /// Suggested references suit the scene.
 #[test]
 fn only_references_that_fit_are_suggested() {
-    let scene = load_unbuilt("spur_impact").unwrap();
+    let scene = load_unbuilt(&Context::default(), "spur_impact").unwrap();
     let lines = scene.fitting().unwrap();
     assert!(lines.contains("calculix/case-a-fine"), "{lines}");
     assert!(
         !lines.contains("case-c") && !lines.contains("rack"),
         "{lines}"
     );
-    assert!(load_unbuilt("hammer").unwrap().fitting().is_none());
+    assert!(
+        load_unbuilt(&Context::default(), "hammer")
+            .unwrap()
+            .fitting()
+            .is_none()
+    );
     assert!(REFERENCES.len() > 2);
 }
 
@@ -114,7 +127,7 @@ fn beside(references: &str, table: &str) -> (TempDir, Result<SceneFile, SceneErr
     let text = BASE.replace("reference = \"calculix/case-a-fine\"", one);
     let text = format!("{text}\n{several}\n");
     let origin = Origin::File(folder.path().join("test.toml"));
-    let scene = SceneFile::unbuilt("test.toml", &text, origin, true);
+    let scene = SceneFile::unbuilt(&Context::default(), "test.toml", &text, origin, true);
     (folder, scene)
 }
 

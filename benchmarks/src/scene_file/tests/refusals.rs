@@ -4,6 +4,7 @@
 //! replacements separated by `&&`; the next line has words of the error, separated by `|`.
 
 use super::{BASE, parse, render};
+use crate::context::Context;
 use crate::scene_file::{Origin, SceneFile, Selection, load, load_uncalibrated};
 
 /// Checks the errors of modified scenes against the rows of a table.
@@ -75,12 +76,14 @@ fn what_is_not_done() {
 
 #[test]
 fn scenes_that_are_not_there() {
-    let shown = render(&load("spur_inpact").unwrap_err());
+    let shown = render(&load(&Context::default(), "spur_inpact").unwrap_err());
     assert!(
         shown.contains("no scene `spur_inpact`") && shown.contains("did you mean `spur_impact`"),
         "{shown}"
     );
-    let shown = render(&load_uncalibrated("nowhere/x.toml", Selection::All).unwrap_err());
+    let shown = render(
+        &load_uncalibrated(&Context::default(), "nowhere/x.toml", Selection::All).unwrap_err(),
+    );
     assert!(
         shown.contains("nowhere/x.toml") && shown.contains("expected a readable TOML file"),
         "{shown}"
@@ -92,7 +95,14 @@ fn scenes_that_are_not_there() {
 fn a_missing_calibration_can_be_left_out() {
     let wanted = "model = \"rigid\"\ncalibration = \"impact\"";
     let text = BASE.replacen("model = \"rigid\"", wanted, 1);
-    let file = SceneFile::parse("test.toml", &text, Origin::Shipped, false).unwrap();
+    let file = SceneFile::parse(
+        &Context::default(),
+        "test.toml",
+        &text,
+        Origin::Shipped,
+        false,
+    )
+    .unwrap();
     let calibration = file.models[0].calibration.as_ref().unwrap();
     assert!(calibration.constants.is_none());
 }

@@ -1,6 +1,7 @@
 //! The shipped scenes load, and those with a reference agree with it.
 
 use super::{render, toothing_of};
+use crate::context::Context;
 use crate::scene_file::{
     CalibrationUse, Origin, SHIPPED, SceneFile, Selection, load, load_uncalibrated,
 };
@@ -12,7 +13,8 @@ use std::path::Path;
 #[test]
 fn all_load_and_are_described() {
     for shipped in SHIPPED {
-        let scene = load(shipped.name).unwrap_or_else(|e| panic!("{}", render(&e)));
+        let scene =
+            load(&Context::default(), shipped.name).unwrap_or_else(|e| panic!("{}", render(&e)));
         assert_eq!(scene.name, shipped.name);
         assert_eq!(scene.origin, Origin::Shipped);
         assert!(
@@ -24,7 +26,7 @@ fn all_load_and_are_described() {
                 .calibration_path()
                 .ends_with(format!("calibrations/{}.toml", shipped.name))
         );
-        load_uncalibrated(shipped.name, Selection::All)
+        load_uncalibrated(&Context::default(), shipped.name, Selection::All)
             .unwrap_or_else(|e| panic!("{}", render(&e)));
     }
 }
@@ -45,7 +47,13 @@ fn all_scenes_of_the_repository_are_read() {
             let is_check = text.lines().any(|l| l == "[[cases]]");
             if !is_check && text.lines().any(|l| l.starts_with("schema")) {
                 let name = path.to_string_lossy().into_owned();
-                let scene = SceneFile::unbuilt(&name, &text, Origin::File(path), false);
+                let scene = SceneFile::unbuilt(
+                    &Context::default(),
+                    &name,
+                    &text,
+                    Origin::File(path),
+                    false,
+                );
                 scene.unwrap_or_else(|e| panic!("{}", render(&e)));
                 read += 1;
             }
@@ -58,7 +66,7 @@ fn all_scenes_of_the_repository_are_read() {
 #[test]
 fn enough_methods() {
     for name in ["spur_impact", "spur_impact_large"] {
-        let study = load(name).unwrap().study;
+        let study = load(&Context::default(), name).unwrap().study;
         let implicit = |m: &gearbench_integrators::Scheme| m.method.info().implicit;
         let count = study.integrators.iter().filter(|m| implicit(m)).count();
         assert!(count >= 4 && study.integrators.len() - count >= 4, "{name}");
@@ -68,7 +76,7 @@ fn enough_methods() {
 #[test]
 fn impacts_are_those_of_their_references() {
     for name in ["spur_impact", "spur_impact_large", "helical_impact"] {
-        let scene = load(name).unwrap();
+        let scene = load(&Context::default(), name).unwrap();
         // The last reference is the one on whose mesh models run.
         let several = scene.references.len() > 1;
         let id = scene.references.last().unwrap().stored().unwrap();
@@ -132,7 +140,7 @@ fn impacts_are_those_of_their_references() {
 
 #[test]
 fn calibrations_are_applied() {
-    let scene = load("spur_impact").unwrap();
+    let scene = load(&Context::default(), "spur_impact").unwrap();
     let rigid = scene.model("rigid").unwrap();
     let constants = rigid
         .calibration
@@ -165,7 +173,7 @@ fn calibrations_are_applied() {
         scene.spec.meshes[0].start.gap
     );
     // Another scene's gap is not taken over.
-    let hammer = load("hammer").unwrap();
+    let hammer = load(&Context::default(), "hammer").unwrap();
     let CalibrationUse {
         scene: from,
         constants,
@@ -185,7 +193,7 @@ fn calibrations_are_applied() {
 
 #[test]
 fn the_hammering_pair_starts_in_the_middle_of_its_backlash() {
-    let scene = load("hammer").unwrap();
+    let scene = load(&Context::default(), "hammer").unwrap();
     let [a, b] = [0, 1].map(|i| toothing_of(&scene, i));
     let pair = Pair::new(&a, &b, scene.spec.gears[1].position[0]).unwrap();
     assert!((pair.backlash_normal() - 100e-6).abs() < 1e-13);
@@ -195,7 +203,7 @@ fn the_hammering_pair_starts_in_the_middle_of_its_backlash() {
 /// Example 1 of Ebrahimi and Eberhard has no forces but impacts, and its teeth have the published stiffnesses.
 #[test]
 fn the_rotating_pair_is_free_and_has_the_published_stiffnesses() {
-    let scene = load("spur_rotation").unwrap();
+    let scene = load(&Context::default(), "spur_rotation").unwrap();
     assert!(scene.spec.gears.iter().all(|g| g.loads.is_empty()));
     let stiffness = |label: &str| {
         let gears = &scene.model(label).unwrap().modelling.gears;

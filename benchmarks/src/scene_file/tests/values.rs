@@ -1,6 +1,7 @@
 //! Values of a scene file arrive in the scene unchanged.
 
 use super::{BASE, changed, parse, read, render, toothing_of};
+use crate::context::Context;
 use crate::scene_file::{Selection, load, load_uncalibrated};
 use gearbench_integrators::Resolution;
 use gearbench_models::error::{BuildError, GearPart, MeshPart};
@@ -304,9 +305,9 @@ fn a_file_has_its_calibration_beside_it() {
     )
     .unwrap();
     let name = path.to_str().unwrap();
-    let shown = render(&load(name).unwrap_err());
+    let shown = render(&load(&Context::default(), name).unwrap_err());
     assert!(shown.contains("no calibration \"static\""), "{shown}");
-    let scene = load_uncalibrated(name, Selection::All).unwrap();
+    let scene = load_uncalibrated(&Context::default(), name, Selection::All).unwrap();
     assert_eq!(
         scene.calibration_path(),
         folder.join("own.calibration.toml")
@@ -316,7 +317,7 @@ fn a_file_has_its_calibration_beside_it() {
         "[static.rigid]\nstiffness_n_per_m2 = 1.5e10\n",
     )
     .unwrap();
-    let scene = load(name).unwrap_or_else(|e| panic!("{}", render(&e)));
+    let scene = load(&Context::default(), name).unwrap_or_else(|e| panic!("{}", render(&e)));
     assert_eq!(
         scene.models[0].modelling.contacts[0].stiffness,
         PairStiffness::Constant {
@@ -329,7 +330,9 @@ fn a_file_has_its_calibration_beside_it() {
         "[static.rigid]\nstiffness_n_per_m2 = 0\n",
     )
     .unwrap();
-    assert!(render(&load(name).unwrap_err()).contains("own.calibration.toml:2:"));
+    assert!(
+        render(&load(&Context::default(), name).unwrap_err()).contains("own.calibration.toml:2:")
+    );
     std::fs::remove_dir_all(&folder).unwrap();
 }
 

@@ -10,8 +10,8 @@ use crate::cli::arguments::Output;
 use crate::cli::command_result::CommandResult;
 use crate::cli::exit::Exit;
 use crate::cli::study_folder::StudyFolder;
-use crate::cli::terminal::{Refusal, absolute, print_line, refuse_run};
-use crate::experiment::interruption;
+use crate::cli::terminal::{Refusal, absolute, refuse_run};
+use crate::context::Context;
 use crate::experiment::machine;
 use crate::experiment::run::RunError;
 use crate::experiment::runner::Runner;
@@ -29,7 +29,7 @@ const NEAR_PASSES: usize = 8;
 const NEAR: f64 = 0.05;
 
 /// Runs the check and writes its folder.
-pub fn run(args: &Check, command: &str) -> Result<CommandResult, Refusal> {
+pub fn run(context: &Context, args: &Check, command: &str) -> Result<CommandResult, Refusal> {
     let file = CheckFile::read(&args.file)?;
     let before = Baselines::read(&file.baseline)?;
     let mut baselines = before.clone();
@@ -61,9 +61,9 @@ pub fn run(args: &Check, command: &str) -> Result<CommandResult, Refusal> {
             out: args.output.out.clone().or(Some(usual)),
             ..args.output.clone()
         };
-        let folder = StudyFolder::open(&output, &name, "check")?;
+        let folder = StudyFolder::open(context, &output, &name, "check")?;
         let drawn = results(CheckRecord { history, ..record });
-        return folder.finish(drawn, |_| Exit::Done, |_| {});
+        return folder.finish(drawn, |_| Exit::Done, |_, _| {});
     }
     if baselines.newest().is_none() && !args.update {
         return Err(Refusal::Input(miette::miette!(
@@ -73,14 +73,14 @@ pub fn run(args: &Check, command: &str) -> Result<CommandResult, Refusal> {
         )));
     }
     let cases = file.select(&args.cases, args.quick)?;
-    let loaded = cases.iter().map(|case| load(&file, case));
+    let loaded = cases.iter().map(|case| load(context, &file, case));
     let loaded = loaded.collect::<Result<Vec<_>, _>>()?;
-    let mut folder = StudyFolder::open(&args.output, &name, "check")?;
+    let mut folder = StudyFolder::open(context, &args.output, &name, "check")?;
     let newest = baselines.newest().cloned().unwrap_or_default();
     let total = loaded.iter().map(LoadedCase::len).sum();
     let made = folder.run(total, |runner| -> Result<_, RunError> {
         let mut groups = measure(&loaded, (runner, total))?;
-        if !(args.no_runtime || interruption::requested()) {
+        if !(args.no_runtime || runner.is_interrupted()) {
             let doubt = RepeatRule {
                 newest: &newest,
                 update: args.update,
@@ -94,7 +94,7 @@ pub fn run(args: &Check, command: &str) -> Result<CommandResult, Refusal> {
             .collect::<Vec<_>>())
     });
     let mut entries = made.map_err(|e| folder.refuse(refuse_run(e)))?;
-    let stopped = interruption::requested();
+    let stopped = context.interruption.is_requested();
     entries.retain(|e| e.measured.status != Status::Interrupted);
     let here = machine::machine();
     let same = here.cpu == newest.stored.cpu;
@@ -145,9 +145,13 @@ pub fn run(args: &Check, command: &str) -> Result<CommandResult, Refusal> {
         true => Exit::Done,
         false => Exit::FellShort,
     };
-    let answer = folder.finish(results(record.clone()), |_| exit, |_| summarise(&record))?;
+    let answer = folder.finish(
+        results(record.clone()),
+        |_| exit,
+        |messages, _| summarise(messages, &record),
+    )?;
     if update {
-        print_line(&match &stored {
+        context.messages.print_line(&match &stored {
             Some(path) => format!("stored: {}", path.display()),
             None => "no value has moved: the baseline is unchanged".into(),
         });
@@ -183,7 +187,7 @@ fn time(
         let mut done = 0;
         for group in &mut *groups {
             for i in 0..group.entries.len() {
-                if interruption::requested() {
+                if runner.is_interrupted() {
                     return Ok(());
                 }
                 let entry = &group.entries[i];

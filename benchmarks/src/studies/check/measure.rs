@@ -5,6 +5,7 @@ use super::kernel;
 use super::quantity::values;
 use crate::cli::arguments::AnyReference;
 use crate::cli::terminal::{Refusal, references_of};
+use crate::context::Context;
 use crate::experiment::conditions::Conditions;
 use crate::experiment::configuration::Configuration;
 use crate::experiment::key::Key;
@@ -23,7 +24,7 @@ use std::time::{Duration, Instant};
 /// Case with its scene, models, integrators and references.
 pub(super) struct LoadedCase<'a> {
     pub(super) case: &'a Case,
-    conditions: Conditions<'static>,
+    conditions: Conditions,
     configurations: Vec<Configuration>,
     methods: Vec<Scheme>,
     references: Vec<ReferenceSeries>,
@@ -33,9 +34,13 @@ pub(super) struct LoadedCase<'a> {
 ///
 /// # Errors
 /// Errors of the scene, and of the settings of the case.
-pub(super) fn load<'a>(file: &CheckFile, case: &'a Case) -> Result<LoadedCase<'a>, Refusal> {
+pub(super) fn load<'a>(
+    context: &Context,
+    file: &CheckFile,
+    case: &'a Case,
+) -> Result<LoadedCase<'a>, Refusal> {
     let labels = case.models.as_deref();
-    let mut scene = scene_file::load_for(&case.scene, Selection::Labels(labels))?;
+    let mut scene = scene_file::load_for(context, &case.scene, Selection::Labels(labels))?;
     let references = references_of(&mut scene, &AnyReference::default())?;
     let choices = scene.select(labels)?;
     // A model that cannot run is an entry as well: what is not measured has not passed.
@@ -75,10 +80,15 @@ pub(super) fn load<'a>(file: &CheckFile, case: &'a Case) -> Result<LoadedCase<'a
 fn written(scheme: &Scheme) -> String {
     // `500ns` and `5e-7s` are one step, whose last bit differs.
     let plain = |x: f64| format!("{x:.12e}").parse().unwrap_or(x);
-    match scheme.resolution {
-        Resolution::Step(h) => format!("{}@{:e}s", scheme.method, plain(h)),
-        Resolution::Tolerance(r) => format!("{}@{:e}", scheme.method, plain(r)),
+    let resolution = match scheme.resolution {
+        Resolution::Step(h) => Resolution::Step(plain(h)),
+        Resolution::Tolerance(r) => Resolution::Tolerance(plain(r)),
+    };
+    Scheme {
+        resolution,
+        ..*scheme
     }
+    .to_string()
 }
 
 fn work(run: &Run) -> BTreeMap<String, u64> {
@@ -204,7 +214,7 @@ fn built<'s>(
         Some(built) => Ok(built),
         none => {
             let started = Instant::now();
-            let scene = assemble(job.scene, job.modelling, job.models)?;
+            let scene = assemble(job.scene, job.modelling, &job.context.models)?;
             Ok(none.insert((scene, started.elapsed())))
         }
     }

@@ -26,7 +26,7 @@ pub fn text(
         .iter()
         .map(|r| format!("# {}\n", r.replace('\n', " ")));
     let out = remarks.collect::<String>() + &written(file, candidate)?;
-    SceneFile::parse("chosen.toml", &out, Origin::Shipped, true)?;
+    SceneFile::parse(&file.context, "chosen.toml", &out, Origin::Shipped, true)?;
     Ok(out)
 }
 
@@ -293,6 +293,7 @@ fn study(file: &SceneFile, candidate: &Candidate) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::context::Context;
     use crate::scene_file::{ModelChoice, Selection, load_for};
     use crate::studies::choose::detail::Detail;
     use crate::studies::choose::level::Level;
@@ -327,7 +328,7 @@ mod tests {
     fn tables_of_references_are_found_from_elsewhere() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("s.toml");
-        let base = load_for("hammer", Selection::None).unwrap();
+        let base = load_for(&Context::default(), "hammer", Selection::None).unwrap();
         for (one, several) in [
             ("reference = \"a.csv\"", ""),
             (
@@ -341,9 +342,12 @@ mod tests {
         ] {
             let text = format!("{one}\n{}{several}", base.text());
             let origin = Origin::File(path.clone());
-            let file = SceneFile::unbuilt("s.toml", &text, origin, true).unwrap();
+            let file =
+                SceneFile::unbuilt(&Context::default(), "s.toml", &text, origin, true).unwrap();
             let text = placed(file.text(), &file).unwrap();
-            let read = SceneFile::unbuilt("c.toml", &text, Origin::Shipped, true).unwrap();
+            let read =
+                SceneFile::unbuilt(&Context::default(), "c.toml", &text, Origin::Shipped, true)
+                    .unwrap();
             assert_eq!(read.references.len(), file.references.len(), "{text}");
             for r in &read.references {
                 assert!(r.file().unwrap().starts_with(folder.path()), "{text}");
@@ -370,10 +374,16 @@ mod tests {
             "loaded_mesh",
             "spur_rotation",
         ] {
-            let file = load_for(name, Selection::None).unwrap();
+            let file = load_for(&Context::default(), name, Selection::None).unwrap();
             for choice in &file.models {
                 let first = write(&file, choice);
-                let read = SceneFile::unbuilt("chosen.toml", &first, Origin::Shipped, true);
+                let read = SceneFile::unbuilt(
+                    &Context::default(),
+                    "chosen.toml",
+                    &first,
+                    Origin::Shipped,
+                    true,
+                );
                 let read = read.unwrap_or_else(|e| panic!("{e:?}\n{first}"));
                 assert_eq!(read.models.len(), 1, "{first}");
                 assert_eq!(write(&read, &read.models[0]), first);

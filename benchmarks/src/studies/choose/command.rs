@@ -15,13 +15,12 @@ use crate::cli::exit::Exit;
 use crate::cli::files::write_whole;
 use crate::cli::progress::Display;
 use crate::cli::study_folder::StudyFolder;
-use crate::cli::terminal::{Refusal, absolute, all_references_of, print_line, refuse_run, warn};
+use crate::cli::terminal::{Refusal, absolute, all_references_of, refuse_run};
+use crate::context::Context;
 use crate::experiment::conditions::silent;
 use crate::experiment::configuration::Configuration;
-use crate::experiment::interruption;
 use crate::experiment::run::RunError;
 use crate::experiment::small_signals::mesh_modes;
-use crate::models::models;
 use crate::scene_file::references::LoadedReference;
 use crate::scene_file::{self, SceneFile};
 use gearbench_reports::record::MeshMode;
@@ -29,9 +28,9 @@ use gearbench_reports::{Part, ReferenceDistance, Study, Verdict};
 use std::sync::Arc;
 
 /// Runs the study and writes its folder.
-pub fn run(args: &Choose, command: &str) -> Result<CommandResult, Refusal> {
+pub fn run(context: &Context, args: &Choose, command: &str) -> Result<CommandResult, Refusal> {
     // Models are built when they are tried: many a scene has full finite elements beside.
-    let mut scene = scene_file::load_for(&args.scene, scene_file::Selection::None)?;
+    let mut scene = scene_file::load_for(context, &args.scene, scene_file::Selection::None)?;
     let references = match args.references {
         true => all_references_of(&mut scene, &AnyReference::default())?,
         false => references_of_the_scene(&mut scene),
@@ -57,7 +56,7 @@ pub fn run(args: &Choose, command: &str) -> Result<CommandResult, Refusal> {
     let display = Display::new(0);
     let choice = choose(&problem, &requirement, |what| display.message(what));
     drop(display);
-    if interruption::requested() {
+    if context.interruption.is_requested() {
         return Err(folder.interrupted());
     }
     let mut choice = choice.map_err(|e| folder.refuse(refuse(&scene, &problem, e)))?;
@@ -86,16 +85,19 @@ pub fn run(args: &Choose, command: &str) -> Result<CommandResult, Refusal> {
     let answer = folder.finish(
         results,
         |_| exit,
-        |results| {
+        |messages, results| {
             if let Part::Choose(part) = &results.part {
-                summarise(&part.choice, &choice);
+                summarise(messages, &part.choice, &choice);
             }
-            (settings.iter()).for_each(|(what, found)| print_line(&format!("{what}: {found}")));
+            (settings.iter())
+                .for_each(|(what, found)| context.messages.print_line(&format!("{what}: {found}")));
         },
     )?;
     if choice.candidate.is_some() {
         let path = absolute(file);
-        print_line(&format!("scene:  {}", path.display()));
+        context
+            .messages
+            .print_line(&format!("scene:  {}", path.display()));
         Ok(answer.with("scene", path))
     } else {
         Ok(answer)
@@ -120,7 +122,7 @@ fn damping_of(
             ..Configuration::of(scene, any)
         })
         .collect();
-    mesh_modes(&entries, models(), &problem.runner).map_err(Refusal::from)
+    mesh_modes(&entries, &problem.context.models, &problem.runner).map_err(Refusal::from)
 }
 
 /// Returns the references under the scene's own conditions, with which the yardstick is compared. If they cannot be
@@ -132,7 +134,7 @@ fn references_of_the_scene(scene: &mut SceneFile) -> Vec<LoadedReference> {
             all.into_iter().filter(own).collect()
         }
         Err(e) => {
-            warn(&format!(
+            scene.context.messages.warn(&format!(
                 "the yardstick is not compared with references: {e}"
             ));
             Vec::new()

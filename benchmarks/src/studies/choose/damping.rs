@@ -44,7 +44,7 @@ impl MeshModeDamping {
         let gears = problem.scene.gears.len();
         let modes = MODES.min((FEW / gears).saturating_sub(HUB));
         let judge = elastic(details.judge(), modes, None);
-        let mode = mesh_mode("", (&problem.scene, &judge), problem.models, 0)?;
+        let mode = mesh_mode("", (&problem.scene, &judge), &problem.context.models, 0)?;
         let (frequency, ratio) = (mode.frequency_hz?, mode.damping_ratio?);
         Some(MeshModeDamping {
             ratio,
@@ -61,7 +61,13 @@ impl MeshModeDamping {
             scaled
         };
         let ratio = |factor: f64| {
-            mesh_mode("", (&problem.scene, &with(factor)), problem.models, 0)?.damping_ratio
+            mesh_mode(
+                "",
+                (&problem.scene, &with(factor)),
+                &problem.context.models,
+                0,
+            )?
+            .damping_ratio
         };
         let Some(without) = ratio(0.0) else {
             return;

@@ -182,7 +182,11 @@ fn half_spaces(problem: &Problem, modes: usize) -> Result<Option<ElasticSettings
         c.points = Some(PointContact::half_space());
         c.exponent = 1.0;
     }
-    match Scene::build(&problem.scene, &elastic(&lead, modes, None), problem.models) {
+    match Scene::build(
+        &problem.scene,
+        &elastic(&lead, modes, None),
+        &problem.context.models,
+    ) {
         Ok(_) => Ok(Some(lead)),
         Err(e) => Err(e.to_string()),
     }
@@ -211,7 +215,7 @@ fn finer(
     match Scene::build(
         &problem.scene,
         &elastic(&finer, modes, None),
-        problem.models,
+        &problem.context.models,
     ) {
         Ok(_) => Ok(finer),
         Err(e) => Err(e.to_string()),
@@ -241,7 +245,7 @@ fn refined(
         "generated" => Ok(more(given)),
         stored if REFERENCES.iter().any(|r| r.id == stored) => {
             let modelling = elastic(&problem.flexible, 0, None);
-            let scene = Scene::build(&problem.scene, &modelling, problem.models)
+            let scene = Scene::build(&problem.scene, &modelling, &problem.context.models)
                 .map_err(|e| e.to_string())?;
             let grid = (scene.gears()[gear].model.flanks())
                 .and_then(|f| f.grids().first().map(|g| [g.rows - 1, g.columns - 1]));

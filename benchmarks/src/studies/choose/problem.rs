@@ -18,11 +18,10 @@
 
 use super::detail::Detail;
 use crate::cli::values::DEFAULT_TIMEOUT;
+use crate::context::Context;
 use crate::experiment::runner::Runner;
-use crate::models::models;
 use crate::scene_file::{ModelChoice, SceneFile};
 use gearbench_models::gear::parameters::ModelParameters;
-use gearbench_models::gear::table::{Model, properties_of};
 use gearbench_models::law::Damping;
 use gearbench_models::spec::{Body, ContactSpec, Modelling, PointContact, SceneSpec, mesh_layout};
 use gearbench_models::stiffness::{IsoVariation, PairStiffness};
@@ -83,8 +82,8 @@ pub struct Problem {
     pub flexible: ElasticSettings,
     /// Rigid and movable-teeth models of the scene, as further levels.
     pub own: Vec<ModelWithConstants>,
-    /// Table of the available gear models.
-    pub models: &'static [Model],
+    /// The context of the scene.
+    pub context: Context,
     /// Number of runs of the scene over which the set-up is distributed.
     pub runs: u64,
     /// Bound on the processor time of one integration on the window, far beyond that of an adequate one.
@@ -97,11 +96,11 @@ impl Problem {
     pub fn of(file: &SceneFile) -> Problem {
         let elastic = file.models.iter().find(|m| is_elastic(m));
         let own: Vec<ModelWithConstants> = (file.models.iter())
-            .filter(|m| properties_of(models(), &m.model).fit.is_some())
+            .filter(|m| file.properties_of(&m.model).fit.is_some())
             .filter(|m| m.modelling.gears.iter().all(|g| g.id == m.model))
             .map(|m| ModelWithConstants {
                 label: m.label.clone(),
-                rigid: properties_of(models(), &m.model).rigid,
+                rigid: file.properties_of(&m.model).rigid,
                 scene: file.spec_for(m),
                 modelling: m.modelling.clone(),
             })
@@ -127,7 +126,7 @@ impl Problem {
             },
         );
         Problem {
-            runner: Arc::default(),
+            runner: Arc::new(Runner::of(file.context.clone())),
             runs: 1,
             timeout: Duration::from_secs_f64(DEFAULT_TIMEOUT),
             name: file.name.clone(),
@@ -136,7 +135,7 @@ impl Problem {
             samples: file.study.samples,
             flexible,
             own,
-            models: models(),
+            context: file.context.clone(),
         }
     }
 

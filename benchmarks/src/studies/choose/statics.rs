@@ -209,7 +209,7 @@ pub fn calibrate(
     approach: f64,
 ) -> Result<StaticPairStiffness, StaticsError> {
     let modelling = super::plan::elastic(of, 0, None);
-    let mut pair = LoadedPair::new(&problem.scene, &modelling, problem.models)?;
+    let mut pair = LoadedPair::new(&problem.scene, &modelling, &problem.context.models)?;
     let (pitch, base, path) = {
         let l = pair.layout();
         (l.pitch_point, l.base_pitch, l.path)

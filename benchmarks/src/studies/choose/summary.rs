@@ -2,12 +2,12 @@
 
 use super::reasons::{per_cent, runs, seconds};
 use super::run::Choice;
-use crate::cli::terminal::print_line;
 use crate::experiment::budget::NOT_TRIED;
+use crate::messages::Messages;
 use gearbench_reports::{Adequacy, ChoiceRecord, Verdict};
 
 /// Prints the result of the choice in words.
-pub(super) fn summarise(choice: &ChoiceRecord, found: &Choice) {
+pub(super) fn summarise(messages: &Messages, choice: &ChoiceRecord, found: &Choice) {
     let wanted = format!(
         "{} within {}",
         choice.metric_title,
@@ -19,8 +19,8 @@ pub(super) fn summarise(choice: &ChoiceRecord, found: &Choice) {
     };
     match (choice.answer(), &found.candidate) {
         (Verdict::Adequate, Some(c)) => {
-            print_line(&format!("{wanted}: {}", c.name()));
-            print_line(&format!(
+            messages.print_line(&format!("{wanted}: {}", c.name()));
+            messages.print_line(&format!(
                 "predicted error {}, {own}; predicted cost {} a run after a set-up of {}, {} for {}",
                 per_cent(found.predicted_error),
                 seconds(found.predicted_cost_s),
@@ -37,26 +37,26 @@ pub(super) fn summarise(choice: &ChoiceRecord, found: &Choice) {
                 (Some(_), None) => format!("the history does not repeat; {own}"),
                 (None, None) => own,
             };
-            print_line(&format!("{wanted}: not decided, {why}"));
+            messages.print_line(&format!("{wanted}: not decided, {why}"));
         }
-        _ => print_line(&format!("{wanted}: nothing is adequate; {own}")),
+        _ => messages.print_line(&format!("{wanted}: nothing is adequate; {own}")),
     }
     for sentence in &choice.reason {
-        print_line(&format!("  {sentence}"));
+        messages.print_line(&format!("  {sentence}"));
     }
     // One number for a level with its best method, another for the choice.
-    print_line(
+    messages.print_line(
         "  (`error` in the table is a level's against the yardstick under its most accurate method; the choice adds that of its own)",
     );
     for sentence in &choice.outside {
-        print_line(&format!(
+        messages.print_line(&format!(
             "warning: not checked on scenes like this: {sentence}"
         ));
     }
     if !found.not_tried.is_empty() {
-        print_line(&format!("{NOT_TRIED}: {}", found.not_tried.join("; ")));
+        messages.print_line(&format!("{NOT_TRIED}: {}", found.not_tried.join("; ")));
     }
-    print_line(&format!(
+    messages.print_line(&format!(
         "{:<34} {:>9} {:>9}  {}",
         "level", "error", "cost", "result"
     ));
@@ -78,7 +78,7 @@ pub(super) fn summarise(choice: &ChoiceRecord, found: &Choice) {
                 (String::new(), word.into())
             }
         };
-        print_line(&format!(
+        messages.print_line(&format!(
             "{:<34} {:>9} {:>9}  {result}",
             r.level.name(),
             per_cent(r.error),

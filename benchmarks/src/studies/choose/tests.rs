@@ -9,6 +9,7 @@ use super::requirement::Requirement;
 use super::run::choose;
 use super::statics::{MeshOscillator, calibrate};
 use super::{domain, pilot};
+use crate::context::Context;
 use crate::experiment::small_signals::mesh_mode::mesh_mode;
 use crate::scene_file::{Origin, SceneFile};
 use crate::studies::test_scene::coarse;
@@ -154,7 +155,14 @@ fn windows_reach_the_running_load() {
              [[meshes]]\ngears = [\"a\", \"b\"]\nbacklash_m = 80e-6\nstart = {{ flank = \"left\", gap_m = 0.0 }}\n\
              [[models]]\nmodel = \"rigid\"\ncontact = {{ stiffness = \"iso6336\", damping = {{ law = \"kelvin-voigt-ratio\", ratio = 0.05 }} }}\n"
         );
-        SceneFile::unbuilt("run.toml", &text, Origin::Shipped, false).expect("a scene")
+        SceneFile::unbuilt(
+            &Context::default(),
+            "run.toml",
+            &text,
+            Origin::Shipped,
+            false,
+        )
+        .expect("a scene")
     };
     // A cycle takes 1.7 ms.
     let window = |load: &str| {
@@ -184,7 +192,7 @@ fn static_solves_make_rigid_gears_as_stiff_as_elastic_ones() {
     assert!((1.0..1.5).contains(&found.exponent), "{}", found.exponent);
     let rigid = p.best_rigid();
     assert_eq!(rigid.level, Level::Rigid(Stiffness::Static));
-    let pair = |m| LoadedPair::new(&s.scene, m, s.models).expect("a pair");
+    let pair = |m| LoadedPair::new(&s.scene, m, &s.context.models).expect("a pair");
     let (mut one, mut two) = (
         pair(&rigid.modelling),
         pair(&elastic(p.details.judge(), 0, None)),
@@ -250,7 +258,14 @@ fn derived_levels_have_the_damping_of_the_mesh_mode() {
              [[models]]\nmodel = \"elastic\"\nparameters = {{ flank_elements = 4, fillet_elements = 2, across_elements = 6, \
              rim_elements = 2, width_elements = 1, modes = 20, damping_ratio = 0.05 }}\ncontact = {{ {contact} }}\n"
         );
-        SceneFile::unbuilt("run.toml", &text, Origin::Shipped, false).expect("a scene")
+        SceneFile::unbuilt(
+            &Context::default(),
+            "run.toml",
+            &text,
+            Origin::Shipped,
+            false,
+        )
+        .expect("a scene")
     };
     for contact in [
         "local = \"half-space\", damping = { law = \"ratio-at-load\", ratio = 0.05 }",
@@ -263,7 +278,8 @@ fn derived_levels_have_the_damping_of_the_mesh_mode() {
         // Stiffness of the norm, of analytic compliance and of static solves, and movable teeth.
         assert_eq!(p.fixed.len(), 4);
         for f in &p.fixed {
-            let mode = mesh_mode("", (&f.scene, &f.modelling), s.models, 0).expect("loads");
+            let mode =
+                mesh_mode("", (&f.scene, &f.modelling), &s.context.models, 0).expect("loads");
             let ratio = mode.damping_ratio.expect("a ratio");
             let what = f.level.name();
             assert!((ratio / judge.ratio - 1.0).abs() < 1e-3, "{what}: {ratio}");

@@ -82,7 +82,7 @@ impl<'a> WindowModel<'a> {
         modelling: &'a Modelling,
     ) -> Result<WindowModel<'a>, RunError> {
         let clock = ProcessorClock::start();
-        let scene = assemble(spec, modelling, problem.models)?;
+        let scene = assemble(spec, modelling, &problem.context.models)?;
         let key = Key::new("set-up").and_scene(spec, modelling);
         let setup_s =
             (problem.runner).piece(key, || Ok::<_, RunError>(clock.elapsed().as_secs_f64()))?;
@@ -90,7 +90,8 @@ impl<'a> WindowModel<'a> {
             spec,
             modelling,
             problem,
-            rigid: (modelling.gears.iter()).all(|g| properties_of(problem.models, &g.id).rigid),
+            rigid: (modelling.gears.iter())
+                .all(|g| properties_of(&problem.context.models, &g.id).rigid),
             scene,
             setup: Duration::from_secs_f64(setup_s),
         })
@@ -117,13 +118,14 @@ impl<'a> WindowModel<'a> {
         let job = Job {
             scene: self.spec,
             modelling: self.modelling,
-            models: self.problem.models,
+            context: &self.problem.context,
             method,
             t_end,
             grid,
             also_steps,
             forces: false,
             torques: false,
+            paths: false,
             histories: false,
             pictures: None,
             events: true,

@@ -6,7 +6,8 @@ use super::{FramePlan, Plan, compare};
 use crate::cli::command_result::CommandResult;
 use crate::cli::exit::Exit;
 use crate::cli::study_folder::StudyFolder;
-use crate::cli::terminal::{Refusal, absolute, print_line, references_of, refuse_run};
+use crate::cli::terminal::{Refusal, absolute, references_of, refuse_run};
+use crate::context::Context;
 use crate::experiment::conditions::Conditions;
 use crate::experiment::run::RunError;
 use crate::experiment::settings::settings;
@@ -15,8 +16,12 @@ use gearbench_integrators::Scheme;
 use gearbench_reports::Study;
 
 /// Runs the comparison and writes its folder.
-pub fn run(args: &Compare, command: &str) -> Result<CommandResult, Refusal> {
-    let mut scene = scene_file::load_for(&args.scene, Selection::Labels(args.models.as_deref()))?;
+pub fn run(context: &Context, args: &Compare, command: &str) -> Result<CommandResult, Refusal> {
+    let mut scene = scene_file::load_for(
+        context,
+        &args.scene,
+        Selection::Labels(args.models.as_deref()),
+    )?;
     let references = references_of(&mut scene, &args.insist)?;
     let choices = scene.select(args.models.as_deref())?;
     let plan = Plan {
@@ -56,10 +61,10 @@ pub fn run(args: &Compare, command: &str) -> Result<CommandResult, Refusal> {
     folder.finish(
         made.map_err(|e| folder.refuse(refuse_run(e)))?,
         Exit::of_comparison,
-        |results| {
-            summarise(results);
+        |messages, results| {
+            summarise(messages, results);
             if let Some(frames) = frames.filter(|f| f.exists()) {
-                print_line(&format!(
+                messages.print_line(&format!(
                     "frames for ParaView: {}",
                     absolute(frames).display()
                 ));

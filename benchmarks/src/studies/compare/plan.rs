@@ -24,9 +24,9 @@ pub struct FramePlan {
 
 /// Plan of a comparison of models and integrators.
 #[derive(Clone, Debug)]
-pub struct Plan<'a> {
+pub struct Plan {
     /// Conditions that all runs share.
-    pub conditions: Conditions<'a>,
+    pub conditions: Conditions,
     /// Models that are compared.
     pub entries: Vec<Configuration>,
     /// Integrators of models without their own.
@@ -45,13 +45,9 @@ pub struct Plan<'a> {
     pub pictures: Option<FramePlan>,
 }
 
-impl Plan<'_> {
+impl Plan {
     /// Plans the comparison of some models with the settings of the scene: one timed repeat, a minute per run.
-    pub fn of(
-        scene: &SceneFile,
-        choices: &[&ModelChoice],
-        references: &[Reference],
-    ) -> Plan<'static> {
+    pub fn of(scene: &SceneFile, choices: &[&ModelChoice], references: &[Reference]) -> Plan {
         Plan {
             conditions: Conditions::of(scene).compared_with(references),
             entries: choices

@@ -24,7 +24,7 @@ use std::fmt::Display;
 ///
 /// # Errors
 /// [`RunError`] when a model cannot be built, or nothing of what is asked for can run.
-pub fn compare(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, RunError> {
+pub fn compare(plan: &Plan, runner: &Runner<'_>) -> Result<Results, RunError> {
     let grid = plan.conditions.grid();
     let mut runs = Vec::with_capacity(plan.len());
     // What only the built models and their runs show.
@@ -53,7 +53,7 @@ pub fn compare(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, RunError
             }
             Err(why) => {
                 no_refined = format!("no refined gears were made: {why}");
-                wanted = most_detailed(&plan.entries)
+                wanted = most_detailed(&plan.conditions.context.models, &plan.entries)
                     .map_or(YardstickChoice::Stored, YardstickChoice::MostDetailed);
                 if let (Some(t), Some(label)) = (
                     tolerance.as_mut().filter(|t| t.against == REFINED),
@@ -184,7 +184,7 @@ pub fn compare(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, RunError
         return Err(e);
     }
     runner.report_progress(runs.len(), plan.len(), "report");
-    let mesh_modes = mesh_modes(&plan.entries, plan.conditions.models, runner)?;
+    let mesh_modes = mesh_modes(&plan.entries, &plan.conditions.context.models, runner)?;
     Ok(Results {
         mesh_modes,
         settings: [plan.conditions.settings.clone(), found].concat(),

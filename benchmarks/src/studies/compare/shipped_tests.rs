@@ -2,6 +2,7 @@
 
 #![allow(clippy::print_stdout)]
 
+use crate::context::Context;
 use crate::experiment::conditions::Conditions;
 use crate::experiment::configuration::Configuration;
 use crate::experiment::run::{Job, run};
@@ -62,7 +63,14 @@ fn impacts(run: &Run) -> Vec<f64> {
 #[test]
 fn helical_gears_hammer() {
     let text = text_of("helical_hammer");
-    let scene = SceneFile::unbuilt("helical_hammer", text, Origin::Shipped, false).unwrap();
+    let scene = SceneFile::unbuilt(
+        &Context::default(),
+        "helical_hammer",
+        text,
+        Origin::Shipped,
+        false,
+    )
+    .unwrap();
     for label in ["rigid", "movable-teeth"] {
         let run = run_of(&scene, label, &DOPRI5.at_tolerance(1e-8));
         let found = impacts(&run);
@@ -99,7 +107,14 @@ fn peak_at(thousandths: u32) -> f64 {
          flank_elements = 8, fillet_elements = 3, across_elements = 6, rim_elements = 3, width_elements = 8 }}\n",
         head.replace("plane_of_action = 0.03", &angle)
     );
-    let scene = SceneFile::unbuilt("misaligned", &text, Origin::Shipped, false).unwrap();
+    let scene = SceneFile::unbuilt(
+        &Context::default(),
+        "misaligned",
+        &text,
+        Origin::Shipped,
+        false,
+    )
+    .unwrap();
     let run = run_of(&scene, "elastic", &TRIGONOMETRIC.at_step(2e-7));
     let force = run.series.as_ref().unwrap().contact_force_n.iter();
     force.copied().fold(0.0, f64::max)

@@ -1,7 +1,7 @@
 //! Terminal summary of a record of `compare`.
 
-use crate::cli::terminal::print_line;
 use crate::experiment::run::LEFT_OUT;
+use crate::messages::Messages;
 use gearbench_reports::numbers::{digits_apart, short};
 use gearbench_reports::record::{Results, Run, SELF, Status};
 use gearbench_reports::{Adequacy, Metric, finding, yardstick_of};
@@ -13,7 +13,7 @@ fn is_excepted(results: &Results, run: &Run) -> bool {
 
 /// Prints one line per run with its integration error and its error against the yardstick, failures with their reason,
 /// and then the finding.
-pub fn summarise(results: &Results) {
+pub fn summarise(messages: &Messages, results: &Results) {
     let yardstick = yardstick_of(results);
     let id = yardstick.as_ref().map(|y| y.id.as_str());
     let metric = match (&results.tolerance, id) {
@@ -24,7 +24,7 @@ pub fn summarise(results: &Results) {
     let heading = of_model.map_or_else(String::new, |(id, metric)| {
         format!("{} against {id}", metric.words())
     });
-    print_line(&format!(
+    messages.print_line(&format!(
         "{:<24} {:<30} {:>10} {:>9} {:>8} {:>12}  {heading}",
         "model", "integrator", "step/rtol", "cpu", "steps", "integration"
     ));
@@ -65,7 +65,7 @@ pub fn summarise(results: &Results) {
             (Status::Inaccurate, Some(e)) => format!("{e}, {}: {}", r.status, message()),
             (status, _) => format!("{status}: {}", message()),
         };
-        print_line(&format!(
+        messages.print_line(&format!(
             "{:<24} {:<30} {:>10} {:>9} {:>8} {:>12}  {}",
             r.model_label(),
             r.integrator,
@@ -77,10 +77,10 @@ pub fn summarise(results: &Results) {
         ));
     }
     for (model, own) in own_solutions(results) {
-        print_line(&format!("{SELF} of {model}: {own}"));
+        messages.print_line(&format!("{SELF} of {model}: {own}"));
     }
     for (what, pair) in results.settings.iter().filter(|(what, _)| what == LEFT_OUT) {
-        print_line(&format!("{what}: {pair}"));
+        messages.print_line(&format!("{what}: {pair}"));
     }
     let failed = results
         .runs
@@ -88,16 +88,16 @@ pub fn summarise(results: &Results) {
         .filter(|r| r.status.is_failure())
         .count();
     if failed > 0 {
-        print_line(&format!(
+        messages.print_line(&format!(
             "{failed} of {} runs failed; they are recorded as failures",
             results.runs.len()
         ));
     }
     for line in verdicts(results).into_iter().chain(unsettled(results)) {
-        print_line(&line);
+        messages.print_line(&line);
     }
     for sentence in finding(results).unwrap_or_default() {
-        print_line(&sentence);
+        messages.print_line(&sentence);
     }
 }
 

@@ -26,7 +26,6 @@ use super::Plan;
 use crate::experiment::configuration::Configuration;
 use crate::experiment::run::{Job, RunError, run};
 use crate::experiment::runner::Runner;
-use crate::models::models;
 use crate::scene_file::SceneFile;
 use crate::studies::choose::detail::Details;
 use crate::studies::choose::plan::{elastic, fine_step};
@@ -38,7 +37,7 @@ use crate::studies::choose::trial::cannot_run;
 use gearbench_integrators::Scheme;
 use gearbench_integrators::table::{DOPRI5, TRIGONOMETRIC};
 use gearbench_models::gear::parameters::ModelParameters;
-use gearbench_models::gear::table::properties_of;
+use gearbench_models::gear::table::{Model, properties_of};
 use gearbench_models::spec::{LocalContact, ModelSpec};
 use gearbench_reference::reduction::ElasticParameters;
 use gearbench_reports::comparison::{Kind, Yardstick};
@@ -90,7 +89,7 @@ impl YardstickChoice {
             (None, None) if scene.references.iter().any(|r| r.is_of_the_scene()) => {
                 YardstickChoice::Stored
             }
-            (None, None) => most_detailed(entries)
+            (None, None) => most_detailed(&scene.context.models, entries)
                 .map_or(YardstickChoice::Stored, YardstickChoice::MostDetailed),
         }
     }
@@ -105,9 +104,9 @@ impl YardstickChoice {
 }
 
 /// Returns the label of the most detailed model; `None` where all are equally detailed.
-pub fn most_detailed(entries: &[Configuration]) -> Option<String> {
+pub fn most_detailed(models: &[Model], entries: &[Configuration]) -> Option<String> {
     let kind = |e: &Configuration| {
-        let of_gear = |g: &ModelSpec| match properties_of(models(), &g.id) {
+        let of_gear = |g: &ModelSpec| match properties_of(models, &g.id) {
             p if p.full_order => 3,
             p if p.modes => 2,
             p if !p.rigid => 1,
@@ -148,7 +147,7 @@ struct Variant<'a> {
 
 /// Runs refined gears in several ways.
 struct YardstickRunner<'a> {
-    plan: &'a Plan<'a>,
+    plan: &'a Plan,
     problem: &'a Problem,
     runner: &'a Runner<'a>,
     step: f64,
@@ -167,7 +166,7 @@ type ErrorPart = Result<f64, String>;
 /// # Errors
 /// [`RunError`] where the user interrupts, or the journal fails.
 pub fn refined(
-    plan: &Plan<'_>,
+    plan: &Plan,
     problem: &Problem,
     runner: &Runner<'_>,
 ) -> Result<Result<Refined, String>, RunError> {

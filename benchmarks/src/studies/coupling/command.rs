@@ -10,16 +10,15 @@ use crate::cli::command_result::CommandResult;
 use crate::cli::exit::Exit;
 use crate::cli::study_folder::StudyFolder;
 use crate::cli::terminal::{Refusal, refuse_run, refuse_study};
+use crate::context::Context;
 use crate::experiment::conditions::Conditions;
 use crate::experiment::configuration::Configuration;
 use crate::experiment::run::{LEFT_OUT, RunError};
 use crate::experiment::settings::settings;
-use crate::models::models;
 use crate::scene_file::{self, ModelChoice, SceneError, SceneFile, Selection};
 use gearbench_integrators::system::SecondOrderSystem;
 use gearbench_integrators::table::{RK4, VELOCITY_VERLET};
 use gearbench_integrators::{Resolution, Scheme};
-use gearbench_models::gear::table::properties_of;
 use gearbench_models::scene::Scene;
 use gearbench_reports::Study;
 use gearbench_reports::coupling::Extrapolation;
@@ -31,8 +30,8 @@ const FINE: f64 = 0.05;
 const TRUNCATED_STEP: f64 = 2e-8;
 
 /// Runs the study and writes its folder.
-pub fn run(args: &Coupling, command: &str) -> Result<CommandResult, Refusal> {
-    let mut scene = scene_file::load_for(&args.scene, Selection::None)?;
+pub fn run(context: &Context, args: &Coupling, command: &str) -> Result<CommandResult, Refusal> {
+    let mut scene = scene_file::load_for(context, &args.scene, Selection::None)?;
     let chosen: Vec<String> = (choices(&scene, args)?.iter())
         .map(|c| c.label.clone())
         .collect();
@@ -53,7 +52,7 @@ pub fn run(args: &Coupling, command: &str) -> Result<CommandResult, Refusal> {
 fn choices<'s>(scene: &'s SceneFile, args: &Coupling) -> Result<Vec<&'s ModelChoice>, SceneError> {
     let all = scene.select(args.models.as_deref())?;
     let named = args.models.is_some();
-    let full = |c: &&ModelChoice| properties_of(models(), &c.model).full_order;
+    let full = |c: &&ModelChoice| scene.properties_of(&c.model).full_order;
     Ok(all.into_iter().filter(|c| named || !full(c)).collect())
 }
 
@@ -110,7 +109,7 @@ fn method(
     Ok(own.copied().unwrap_or_else(usual))
 }
 
-fn plan<'a>(scene: &SceneFile, args: &Coupling, command: &str) -> Result<Plan<'a>, Refusal> {
+fn plan(scene: &SceneFile, args: &Coupling, command: &str) -> Result<Plan, Refusal> {
     let chosen = choices(scene, args)?;
     let duration = args.duration.unwrap_or(scene.duration);
     let mut entries = Vec::new();
@@ -119,7 +118,7 @@ fn plan<'a>(scene: &SceneFile, args: &Coupling, command: &str) -> Result<Plan<'a
     for (i, configuration) in all.into_iter().enumerate() {
         let label = &configuration.label;
         let of = (&configuration.scene, &configuration.modelling);
-        let mut built = match Scene::build(of.0, of.1, models()) {
+        let mut built = match Scene::build(of.0, of.1, &scene.context.models) {
             Ok(built) => built,
             // The truncated twin was not requested, and contact on half-spaces has none.
             Err(e) if twin == Some(i) => {
@@ -142,7 +141,9 @@ fn plan<'a>(scene: &SceneFile, args: &Coupling, command: &str) -> Result<Plan<'a
             return Err(refuse_run(refused));
         }
         // Without theory the runs are there all the same.
-        let oscillator = oscillator(of.0, of.1, models(), &frames).ok().flatten();
+        let oscillator = oscillator(of.0, of.1, &scene.context.models, &frames)
+            .ok()
+            .flatten();
         let steps = match &args.steps {
             Some(steps) => steps.0.clone(),
             None => default_steps(&method, oscillator, duration),

@@ -4,11 +4,11 @@ use super::frames::{Frame, PrescribedScene};
 use super::host::Hub;
 use super::step_polynomial::StepPolynomial;
 use crate::experiment::history::History;
-use crate::experiment::interruption;
 use gearbench_integrators::system::{Change, Outputs, SecondOrderSystem, State};
 use gearbench_integrators::{AcceptedStep, Control, Scheme, Sink, StepError, TimePlan, Work};
 use gearbench_models::scene::Scene;
 use gearbench_reports::coupling::{Extrapolation, Motion};
+use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
 /// Gauss-Legendre nodes and weights on [0, 1].
@@ -35,7 +35,7 @@ pub struct CouplingScheme {
 
 /// Bounds of a coupled run: end time, steps, processor time and energy error.
 #[derive(Clone, Copy, Debug)]
-pub struct Bounds {
+pub struct Bounds<'a> {
     /// End of the simulated time [s].
     pub t_end: f64,
     /// True if contact events are located.
@@ -46,6 +46,8 @@ pub struct Bounds {
     pub timeout: Option<Duration>,
     /// Energy error of the coupling at which the run is given up [J].
     pub hopeless: f64,
+    /// The flag that ends the run.
+    pub cancel: &'a AtomicBool,
 }
 
 /// Result of a run in two coupled parts, host and gears.
@@ -135,7 +137,7 @@ pub fn exchange(
     frames: &[Frame],
     method: &Scheme,
     manner: CouplingScheme,
-    bounds: Bounds,
+    bounds: Bounds<'_>,
     history: &mut History,
 ) -> CoupledRun {
     let begin = Instant::now();
@@ -198,7 +200,7 @@ pub fn exchange(
         let plan = TimePlan {
             events: bounds.events,
             max_steps: bounds.max_steps.saturating_sub(work.steps + work.rejected),
-            cancel: Some(interruption::flag()),
+            cancel: Some(bounds.cancel),
             ..TimePlan::new(to, method.resolution)
         };
         let before = given.work;

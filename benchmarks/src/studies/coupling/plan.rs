@@ -34,8 +34,8 @@ pub struct Entry {
 
 /// Plan of a study of coupling.
 #[derive(Clone, Debug)]
-pub struct Plan<'a> {
-    pub conditions: Conditions<'a>,
+pub struct Plan {
+    pub conditions: Conditions,
     pub entries: Vec<Entry>,
     pub extrapolations: Vec<Extrapolation>,
     pub motions: Vec<Motion>,
@@ -43,7 +43,7 @@ pub struct Plan<'a> {
     pub tolerance: f64,
 }
 
-impl Plan<'_> {
+impl Plan {
     /// Returns all combinations of models, extrapolations and motions of the study, in order.
     pub fn lines(&self) -> Vec<(usize, Extrapolation, Motion)> {
         let mut all = Vec::new();

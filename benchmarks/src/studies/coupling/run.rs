@@ -6,7 +6,6 @@ use super::theory;
 use crate::experiment::decimation::decimate_run;
 use crate::experiment::error::StudyError;
 use crate::experiment::history::History;
-use crate::experiment::interruption;
 use crate::experiment::parallel::{in_parallel, lock};
 use crate::experiment::record::time_series;
 use crate::experiment::run::{Job, NO_BOUND, RunError, run};
@@ -33,7 +32,7 @@ pub const WHOLE: &str = "one system";
 /// A line of the study: place of the model, and how it is coupled.
 type ModelCoupling = (usize, Extrapolation, Motion);
 
-fn job<'j>(plan: &'j Plan<'_>, entry: &'j Entry, grid: &'j [f64]) -> Job<'j> {
+fn job<'j>(plan: &'j Plan, entry: &'j Entry, grid: &'j [f64]) -> Job<'j> {
     let of = &entry.configuration;
     Job {
         repeats: 0,
@@ -43,7 +42,7 @@ fn job<'j>(plan: &'j Plan<'_>, entry: &'j Entry, grid: &'j [f64]) -> Job<'j> {
 
 /// The runs as one system.
 fn runs_as_one_system(
-    plan: &Plan<'_>,
+    plan: &Plan,
     runner: &Runner<'_>,
     grid: &[f64],
 ) -> Result<Vec<Run>, StudyError> {
@@ -70,7 +69,7 @@ fn runs_as_one_system(
 ///
 /// # Errors
 /// [`StudyError`]; runs that fail are cells.
-pub fn study(plan: &Plan<'_>, runner: &Runner<'_>, threads: usize) -> Result<Results, StudyError> {
+pub fn study(plan: &Plan, runner: &Runner<'_>, threads: usize) -> Result<Results, StudyError> {
     let grid = plan.conditions.grid();
     let mut runs = runs_as_one_system(plan, runner, &grid)?;
     let lines = plan.lines();
@@ -113,7 +112,7 @@ pub fn study(plan: &Plan<'_>, runner: &Runner<'_>, threads: usize) -> Result<Res
 
 /// Data that the runs of a line share.
 struct SharedData<'a> {
-    plan: &'a Plan<'a>,
+    plan: &'a Plan,
     runner: &'a Runner<'a>,
     grid: &'a [f64],
     entry: &'a Entry,
@@ -215,21 +214,22 @@ impl SharedData<'_> {
         let job = job(self.plan, self.entry, self.grid);
         let scene = match scene {
             Some(scene) => scene,
-            none => {
-                none.insert(assemble(job.scene, job.modelling, job.models).map_err(RunError::from)?)
-            }
+            none => none.insert(
+                assemble(job.scene, job.modelling, &job.context.models).map_err(RunError::from)?,
+            ),
         };
         let mut history = History::whole(scene, self.grid.to_vec(), job.also_steps);
         let bounds = Bounds {
             t_end: job.t_end,
             events: job.events,
             max_steps: job.max_steps,
+            cancel: job.context.interruption.flag(),
             timeout: (job.timeout < NO_BOUND).then_some(job.timeout),
             hopeless: self.scale().map_or(f64::MAX, |e| HOPELESS * e),
         };
         let Entry { frames, method, .. } = self.entry;
         let found = exchange(scene, frames, method, manner, bounds, &mut history);
-        if interruption::requested() {
+        if job.context.interruption.is_requested() {
             return Err(RunError::Interrupted.into());
         }
         let series = time_series(&job, scene, &history);

@@ -1,12 +1,12 @@
 //! Terminal summary of a record of `coupling`.
 
-use crate::cli::terminal::print_line;
+use crate::messages::Messages;
 use gearbench_reports::numbers::{percent, quantity};
 use gearbench_reports::record::Results;
 
 /// Prints one line per model and extrapolation.
-pub fn summarise(results: &Results) {
-    print_line(&format!(
+pub fn summarise(messages: &Messages, results: &Results) {
+    messages.print_line(&format!(
         "{:<28} {:<22} {:>13} {:>13} {:>10} {:>24}",
         "model", "extrapolation", "accurate to", "stable to", "theory", "energy error, least step"
     ));
@@ -20,7 +20,7 @@ pub fn summarise(results: &Results) {
         let theory = c.theory_s.map_or(String::new(), |h| quantity(h, "s", 3));
         let energy = (c.cells.first()).and_then(|x| x.energy_error_rel);
         let energy = energy.map_or(String::new(), |e| format!("{} %", percent(e, 2)));
-        print_line(&format!(
+        messages.print_line(&format!(
             "{:<28} {:<22} {:>13} {:>13} {theory:>10} {energy:>24}",
             c.model_label(),
             c.manner(),

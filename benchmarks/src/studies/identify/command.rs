@@ -13,17 +13,15 @@ use crate::cli::command_result::CommandResult;
 use crate::cli::exit::Exit;
 use crate::cli::progress::Display;
 use crate::cli::study_folder::StudyFolder;
-use crate::cli::terminal::{Refusal, absolute, print_line, refuse_study, warn};
+use crate::cli::terminal::{Refusal, absolute, refuse_study};
+use crate::context::Context;
 use crate::experiment::conditions::{Conditions, silent};
 use crate::experiment::configuration::Configuration;
 use crate::experiment::error::StudyError;
-use crate::experiment::interruption;
-use crate::experiment::runner::{WorkError, attempt};
+use crate::experiment::runner::WorkError;
 use crate::experiment::settings::settings;
-use crate::models::models;
 use crate::scene_file::references::LoadedReference;
 use crate::scene_file::{self, ModelChoice, SceneFile, Selection, did_you_mean};
-use gearbench_models::gear::table::properties_of;
 use gearbench_models::spec::{SceneSpec, mesh_layout};
 use gearbench_reports::Study;
 use gearbench_reports::identify::IdentifyRecord;
@@ -34,11 +32,11 @@ use serde_json::json;
 const POSITIONS: usize = 24;
 
 /// Fits the models of a scene that have constants to fit, and writes the folder.
-pub fn run(args: &Identify, command: &str) -> Result<CommandResult, Refusal> {
+pub fn run(context: &Context, args: &Identify, command: &str) -> Result<CommandResult, Refusal> {
     // What is identified is built by its fits; statics leave all constants but one as the impact has them.
     let mut scene = match args.to.to_history() {
-        true => scene_file::load_uncalibrated(&args.scene, Selection::None)?,
-        false => scene_file::load_for(&args.scene, Selection::None)?,
+        true => scene_file::load_uncalibrated(context, &args.scene, Selection::None)?,
+        false => scene_file::load_for(context, &args.scene, Selection::None)?,
     };
     let references = match args.to.to_history() {
         true => histories_of(&mut scene, args)?,
@@ -51,8 +49,7 @@ pub fn run(args: &Identify, command: &str) -> Result<CommandResult, Refusal> {
     let choices = scene.select(args.model.as_deref())?;
     let fitted: Vec<&ModelChoice> = (choices.into_iter())
         .filter(|c| {
-            args.model.is_some()
-                || (properties_of(models(), &c.model).fit.is_some() && calibrated(c))
+            args.model.is_some() || (scene.properties_of(&c.model).fit.is_some() && calibrated(c))
         })
         .collect();
     if fitted.is_empty() {
@@ -82,8 +79,8 @@ pub fn run(args: &Identify, command: &str) -> Result<CommandResult, Refusal> {
                 ));
             })
         };
-        match attempt(fit) {
-            Ok(_) | Err(WorkError::Interrupted) if interruption::requested() => break,
+        match runner.attempt(fit) {
+            Ok(_) | Err(WorkError::Interrupted) if context.interruption.is_requested() => break,
             Ok(fit) => found.push((choice, fit)),
             Err(why) => refused.push((choice, why)),
         }
@@ -96,14 +93,14 @@ pub fn run(args: &Identify, command: &str) -> Result<CommandResult, Refusal> {
             for history in made.map_err(|e| refuse_study(&scene, e.into()))? {
                 match history {
                     Ok(history) => histories.push(history),
-                    Err(why) => warn(&why),
+                    Err(why) => context.messages.warn(&why),
                 }
             }
         }
     }
     drop(runner);
     // Where no model is fitted the study has no result: the first reason is its refusal.
-    let none = found.is_empty() && !interruption::requested();
+    let none = found.is_empty() && !context.interruption.is_requested();
     for (choice, why) in refused {
         let error = |e| folder.refuse(refuse(&scene, choice, e));
         let (status, why) = match why {
@@ -113,7 +110,7 @@ pub fn run(args: &Identify, command: &str) -> Result<CommandResult, Refusal> {
         if none {
             return Err(Refusal::Failed(why));
         }
-        warn(&format!(
+        context.messages.warn(&format!(
             "the model `{}` is not fitted, unlike the others: {why}",
             choice.label
         ));
@@ -130,8 +127,8 @@ pub fn run(args: &Identify, command: &str) -> Result<CommandResult, Refusal> {
     let results = conditions.record(Part::Identify(IdentifyRecord { fits, histories }));
     let answer = folder.finish(results, |_| Exit::Done, summarise)?;
     let answer = answer.with("reference", &names).with("models", told);
-    if interruption::requested() {
-        print_line("no constants were written");
+    if context.interruption.is_requested() {
+        context.messages.print_line("no constants were written");
         return Ok(answer);
     }
     if let Some(to) = args.write {
@@ -146,10 +143,12 @@ pub fn run(args: &Identify, command: &str) -> Result<CommandResult, Refusal> {
             WriteTarget::Scene => write_scene(&scene, &into_scene(&found, args, command)),
         };
         let path = absolute(path?);
-        print_line(&format!("written: {}", path.display()));
+        context
+            .messages
+            .print_line(&format!("written: {}", path.display()));
         return Ok(answer.with("written", path));
     }
-    print_line(&format!(
+    context.messages.print_line(&format!(
         "no constants were written; `--write` stores the constants for `calibration = \"{}\"`, `--write=scene` in the scene file",
         args.to.as_str()
     ));
@@ -215,7 +214,14 @@ fn held_by_model(
     args: &Identify,
 ) -> Vec<Vec<(String, f64)>> {
     let has = |choice: &ModelChoice, key: &str| {
-        has_key(key, (&scene.spec_for(choice), &choice.modelling, models()))
+        has_key(
+            key,
+            (
+                &scene.spec_for(choice),
+                &choice.modelling,
+                &scene.context.models,
+            ),
+        )
     };
     let of = |choice: &&ModelChoice| {
         let taken = |(key, _): &&(String, f64)| {
@@ -226,7 +232,7 @@ fn held_by_model(
     let held: Vec<Vec<(String, f64)>> = fitted.iter().map(of).collect();
     for (choice, held) in fitted.iter().zip(&held) {
         for (key, _) in args.hold.iter().filter(|h| !held.contains(h)) {
-            print_line(&format!(
+            scene.context.messages.print_line(&format!(
                 "--hold {key} does not apply to `{}`, which has no such parameter",
                 choice.label
             ));
@@ -245,12 +251,12 @@ fn name_of(held: &LoadedReference) -> &str {
 }
 
 /// Returns the plan of the fit of a model: data to fit, and data with which the fitted model is compared.
-fn plan<'a>(
+fn plan(
     scene: &SceneFile,
     choice: &ModelChoice,
     (references, statics): (&[LoadedReference], &Option<(String, StaticTarget)>),
     (args, held): (&Identify, Vec<(String, f64)>),
-) -> FitPlan<'a> {
+) -> FitPlan {
     let spec: SceneSpec = scene.spec_for(choice);
     let gap = |scene: &SceneFile| scene.spec.meshes.first().map_or(0.0, |m| m.start.gap);
     let of_reference = |reference: &&LoadedReference| {
@@ -281,7 +287,7 @@ fn plan<'a>(
     FitPlan {
         label: choice.label.clone(),
         modelling: choice.modelling.clone(),
-        models: models(),
+        context: scene.context.clone(),
         data: (fitted.iter().filter_map(of_reference))
             .chain(statics)
             .collect(),
@@ -310,7 +316,7 @@ fn refuse(scene: &SceneFile, choice: &ModelChoice, e: IdentifyError) -> Refusal 
 fn histories_of(scene: &mut SceneFile, args: &Identify) -> Result<Vec<LoadedReference>, Refusal> {
     let known = scene.odd.len();
     let mut references = scene.load_references(args.insist.any_reference)?;
-    (scene.odd[known..].iter()).for_each(|odd| warn(&odd.to_text()));
+    (scene.odd[known..].iter()).for_each(|odd| scene.context.messages.warn(&odd.to_text()));
     references.retain(|held| held.data.force().is_some());
     let fitted = || references.iter().filter(|held| !held.is_held_out());
     let names: Vec<&str> = fitted().map(name_of).collect();
@@ -347,7 +353,7 @@ fn histories_of(scene: &mut SceneFile, args: &Identify) -> Result<Vec<LoadedRefe
 fn statics_of(scene: &SceneFile, args: &Identify) -> Result<(String, StaticTarget), Refusal> {
     let choice = match &args.against {
         Some(label) => scene.select(Some(label))?.into_iter().next(),
-        None => (scene.models.iter()).find(|c| properties_of(models(), &c.model).full_order),
+        None => (scene.models.iter()).find(|c| scene.properties_of(&c.model).full_order),
     };
     let Some(choice) = choice else {
         return Err(Refusal::Input(miette::miette!(
@@ -360,7 +366,12 @@ fn statics_of(scene: &SceneFile, args: &Identify) -> Result<(String, StaticTarge
     let [a, b] = spec.meshes[0].gears.map(|i| &spec.gears[i]);
     let layout = mesh_layout(a, b).map_err(|e| Refusal::Failed(e.to_string()))?;
     let force = 1e3 * args.load * layout.face_width;
-    let target = StaticTarget::of((&spec, &choice.modelling), models(), force, POSITIONS);
+    let target = StaticTarget::of(
+        (&spec, &choice.modelling),
+        &scene.context.models,
+        force,
+        POSITIONS,
+    );
     let fail = |e| refuse_study(scene, StudyError::Statics(choice.label.clone(), e));
     Ok((choice.label.clone(), target.map_err(fail)?))
 }

@@ -107,7 +107,7 @@ fn constants_of_a_gear_come_after_those_of_all() {
 
 #[test]
 fn what_a_model_has_not_is_refused_with_what_there_is() {
-    let refused = |label: &str, key: &str, change: &dyn Fn(&mut FitPlan<'_>)| {
+    let refused = |label: &str, key: &str, change: &dyn Fn(&mut FitPlan)| {
         let (mut plan, spec) = plan(label);
         plan.data = vec![made(
             &plan,
@@ -121,7 +121,7 @@ fn what_a_model_has_not_is_refused_with_what_there_is() {
         assert!(e.is_of_wishes(), "{e}");
         e.to_string()
     };
-    let nothing = |_: &mut FitPlan<'_>| {};
+    let nothing = |_: &mut FitPlan| {};
     for (label, key, words) in [
         (
             "rigid",
@@ -144,14 +144,14 @@ fn what_a_model_has_not_is_refused_with_what_there_is() {
         assert!(words.iter().all(|w| said.contains(w)), "{key}: {said}");
     }
     // No stiffness that a course could be one of, and contacts at points of flanks.
-    let normed = |plan: &mut FitPlan<'_>| {
+    let normed = |plan: &mut FitPlan| {
         plan.modelling.contacts[0].stiffness =
             gearbench_models::stiffness::PairStiffness::Iso6336 {
                 variation: Default::default(),
             };
     };
     assert!(refused("rigid", SLOPE, &normed).contains("stiffness_n_per_m2"));
-    let points = |plan: &mut FitPlan<'_>| {
+    let points = |plan: &mut FitPlan| {
         plan.modelling.contacts[0].points = Some(PointContact::new(1e15));
         plan.modelling.gears[1].id = "elastic".into();
     };

@@ -2,6 +2,7 @@
 
 use super::fit_parameters::FitParameters;
 use super::parameters::FitOptions;
+use crate::context::Context;
 use crate::experiment::error::ModelRefusal;
 use crate::experiment::journal::JournalError;
 use crate::experiment::key::Key;
@@ -150,13 +151,13 @@ impl StaticTarget {
 
 /// Plan of a fit: the model, its data and the user options.
 #[derive(Clone, Debug)]
-pub struct FitPlan<'a> {
+pub struct FitPlan {
     /// Label of the model in its scene.
     pub label: String,
     /// Gear models and contacts; the model of the first gear is the one whose constants are fitted.
     pub modelling: Modelling,
-    /// Table of the available gear models.
-    pub models: &'a [Model],
+    /// The context of the scene.
+    pub context: Context,
     /// Data sets to fit, at least one.
     pub data: Vec<DataSet>,
     /// Data that the fitted model is compared with.
@@ -292,6 +293,7 @@ pub fn apply(constants: &Constants, model: &str, spec: &mut SceneSpec, modelling
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::context::Context;
     use crate::scene_file::calibration::{GAP, STIFFNESS};
     use crate::scene_file::{Selection, load_for};
     use gearbench_models::stiffness::{PairOrMesh, PairStiffness};
@@ -299,7 +301,7 @@ mod tests {
     /// A fit applies constants as a calibration does: a constant mesh stiffness stays a constant mesh stiffness.
     #[test]
     fn constants_mean_the_same_in_a_fit_and_in_a_calibration() {
-        let scene = load_for("spur_impact", Selection::None).unwrap();
+        let scene = load_for(&Context::default(), "spur_impact", Selection::None).unwrap();
         let mut modelling = scene.model("rigid").unwrap().modelling.clone();
         modelling.contacts[0].stiffness = PairStiffness::Constant {
             per_width: 1e10,

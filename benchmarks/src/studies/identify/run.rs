@@ -34,7 +34,7 @@ const SAME: f64 = 1e-3;
 /// # Errors
 /// [`IdentifyError`] where it cannot be built, or does not reach the end.
 pub fn modelled(
-    plan: &FitPlan<'_>,
+    plan: &FitPlan,
     set: &DataSet,
     constants: &Constants,
     clock: f64,
@@ -50,10 +50,17 @@ pub fn modelled(
             let shifted: Vec<f64> = time.iter().map(|t| t + clock).collect();
             // Before its start a scene has no force.
             let before = shifted.partition_point(|t| *t < 0.0);
-            let mut scene = assemble(&spec, &modelling, plan.models)?;
+            let mut scene = assemble(&spec, &modelling, &plan.context.models)?;
             let mut dopri5 = DOPRI5.build();
             let (tolerance, grid) = (Resolution::Tolerance(RTOL), &shifted[before..]);
-            let found = force_on_grid(&mut scene, dopri5.as_mut(), tolerance, MAX_STEPS, grid)?;
+            let found = force_on_grid(
+                &plan.context,
+                &mut scene,
+                dopri5.as_mut(),
+                tolerance,
+                MAX_STEPS,
+                grid,
+            )?;
             match found.len() == grid.len() {
                 true => Ok([vec![0.0; before], found].concat()),
                 false => Err(IdentifyError::Short(set.name.clone())),
@@ -61,7 +68,12 @@ pub fn modelled(
         }
         Data::Statics(wanted) => {
             let count = wanted.compliance.len();
-            let own = StaticTarget::of((&spec, &modelling), plan.models, wanted.force, count);
+            let own = StaticTarget::of(
+                (&spec, &modelling),
+                &plan.context.models,
+                wanted.force,
+                count,
+            );
             Ok(own?.compliance)
         }
     }
@@ -72,7 +84,7 @@ pub fn modelled(
 /// # Errors
 /// [`IdentifyError`].
 pub fn identify(
-    plan: &FitPlan<'_>,
+    plan: &FitPlan,
     runner: &Runner<'_>,
     mut progress: impl FnMut(u32, f64),
 ) -> Result<Identification, IdentifyError> {
@@ -85,7 +97,7 @@ pub fn identify(
     let Some(first) = plan.data.first() else {
         return Err(IdentifyError::Failed("there are no data".into()));
     };
-    let scene = (&first.spec, &plan.modelling, plan.models);
+    let scene = (&first.spec, &plan.modelling, &*plan.context.models);
     let chosen = choose(scene, &plan.data, &plan.wishes)?;
     let factors: Vec<Vec<f64>> = plan.data.iter().map(DataSet::factors).collect();
     let mut count = 0;
@@ -154,7 +166,7 @@ pub fn identify(
 
 /// A trial, made now unless it is finished.
 fn trial(
-    plan: &FitPlan<'_>,
+    plan: &FitPlan,
     set: &DataSet,
     constants: &Constants,
     clock: f64,
@@ -265,7 +277,7 @@ pub fn histories(
 }
 
 fn record(
-    plan: &FitPlan<'_>,
+    plan: &FitPlan,
     chosen: &FitParameters,
     found: &Estimate,
     data: Vec<DataRecord>,

@@ -79,7 +79,13 @@ fn written(scene: &SceneFile, all: &[FittedConstants<'_>]) -> Result<String, Ref
         write_constants(&mut document, scene, w).ok_or_else(|| unseen(&w.choice.label))?;
     }
     let text = document.to_string();
-    let read = SceneFile::parse(&scene.name, &text, scene.origin.clone(), false);
+    let read = SceneFile::parse(
+        &scene.context,
+        &scene.name,
+        &text,
+        scene.origin.clone(),
+        false,
+    );
     let read = read.map_err(|e| {
         Refusal::Input(miette::miette!(
             help = "constants that the data do not determine are not written: fix them with --hold, or write them with --force",

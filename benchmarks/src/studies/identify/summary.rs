@@ -1,26 +1,26 @@
 //! Terminal summary of a record of `identify`.
 
-use crate::cli::terminal::print_line;
+use crate::messages::Messages;
 use gearbench_reports::identify::{DataRecord, FitRecord, Outcome, ParameterRecord};
 use gearbench_reports::record::Results;
 
 /// Prints all fits of a record.
-pub fn summarise(results: &Results) {
-    results.fits().iter().for_each(one);
+pub fn summarise(messages: &Messages, results: &Results) {
+    results.fits().iter().for_each(|fit| one(messages, fit));
 }
 
-fn one(f: &FitRecord) {
-    print_line(&format!(
+fn one(messages: &Messages, f: &FitRecord) {
+    messages.print_line(&format!(
         "{}: {} evaluations; {} of {} starting points converged to this solution",
         f.label, f.evaluations, f.starts_agreed, f.starts
     ));
     for d in &f.data {
-        print_line(&format!("  {}", data(d)));
+        messages.print_line(&format!("  {}", data(d)));
     }
     let widest = f.parameters.iter().map(|p| p.name.chars().count()).max();
     let widest = widest.unwrap_or(0);
     for p in &f.parameters {
-        print_line(&format!(
+        messages.print_line(&format!(
             "  {:<widest$}  {}  {}",
             p.name,
             parameter_text(p),
@@ -28,7 +28,7 @@ fn one(f: &FitRecord) {
         ));
     }
     for text in &f.undetermined {
-        print_line(&format!("  {text}"));
+        messages.print_line(&format!("  {text}"));
     }
 }
 

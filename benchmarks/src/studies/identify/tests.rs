@@ -1,9 +1,9 @@
 //! Tests with data made from known constants: the fit recovers them, and reports those that the data do not determine.
 
 use super::*;
+use crate::context::Context;
 use crate::experiment::conditions::even;
 use crate::experiment::runner::Runner;
-use crate::models::models;
 use crate::scene_file::calibration::{Constants, DAMPING, GAP, STIFFNESS};
 use crate::scene_file::{Selection, load_for};
 use gearbench_reports::identify::Outcome;
@@ -20,13 +20,18 @@ const TRUTH: [(&str, f64); 4] = [
 ];
 
 /// Returns a plan for the shipped impact with its own constants, still without data.
-pub(super) fn plan(label: &str) -> (FitPlan<'static>, gearbench_models::spec::SceneSpec) {
-    let scene = load_for("spur_impact", Selection::Labels(Some(label))).unwrap();
+pub(super) fn plan(label: &str) -> (FitPlan, gearbench_models::spec::SceneSpec) {
+    let scene = load_for(
+        &Context::default(),
+        "spur_impact",
+        Selection::Labels(Some(label)),
+    )
+    .unwrap();
     let choice = scene.model(label).unwrap();
     let plan = FitPlan {
         label: label.into(),
         modelling: choice.modelling.clone(),
-        models: models(),
+        context: scene.context.clone(),
         data: Vec::new(),
         held_out: Vec::new(),
         wishes: FitOptions::default(),
@@ -35,7 +40,7 @@ pub(super) fn plan(label: &str) -> (FitPlan<'static>, gearbench_models::spec::Sc
 }
 
 /// Returns data that the model itself makes with constants, with noise relative to the root mean square.
-pub(super) fn made(plan: &FitPlan<'_>, mut set: DataSet, truth: &Constants, noise: f64) -> DataSet {
+pub(super) fn made(plan: &FitPlan, mut set: DataSet, truth: &Constants, noise: f64) -> DataSet {
     let values = modelled(plan, &set, truth, 0.0).unwrap();
     let rms = plan::size(&values) / (values.len() as f64).sqrt();
     let mut random = estimate::tests::Draws::new(7);
@@ -70,7 +75,7 @@ pub(super) fn keys(all: &[&str]) -> Option<Vec<String>> {
     Some(all.iter().map(|k| (*k).to_owned()).collect())
 }
 
-pub(super) fn fitted(plan: &FitPlan<'_>) -> Identification {
+pub(super) fn fitted(plan: &FitPlan) -> Identification {
     identify(plan, &Runner::default(), |_, _| {}).unwrap()
 }
 

@@ -8,6 +8,7 @@ use crate::cli::command_result::CommandResult;
 use crate::cli::exit::Exit;
 use crate::cli::study_folder::StudyFolder;
 use crate::cli::terminal::{Refusal, refuse_study};
+use crate::context::Context;
 use crate::experiment::conditions::Conditions;
 use crate::experiment::configuration::Configuration;
 use crate::experiment::small_signals::selected_models;
@@ -17,8 +18,12 @@ use gearbench_reports::modes::LinearisedState;
 use gearbench_reports::record::Results;
 
 /// Runs the study and writes its folder.
-pub fn run(args: &Modes, command: &str) -> Result<CommandResult, Refusal> {
-    let scene = scene_file::load_for(&args.scene, Selection::Labels(args.models.as_deref()))?;
+pub fn run(context: &Context, args: &Modes, command: &str) -> Result<CommandResult, Refusal> {
+    let scene = scene_file::load_for(
+        context,
+        &args.scene,
+        Selection::Labels(args.models.as_deref()),
+    )?;
     let (taken, told) = selected_models(&scene, args.models.as_deref())?;
     let plan = Plan {
         conditions: Conditions {

@@ -3,7 +3,6 @@
 use super::plan::Plan;
 use super::shares::{name, name_of, shape, shares};
 use crate::experiment::error::StudyError;
-use crate::experiment::interruption;
 use crate::experiment::key::Key;
 use crate::experiment::runner::Runner;
 use crate::experiment::small_signals::mesh_mode::{FEW, mesh_mode_of, resonance, with_resonance};
@@ -250,10 +249,10 @@ fn listed(
 ///
 /// # Errors
 /// [`StudyError`]; models without an equilibrium are rows.
-pub fn study(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, StudyError> {
+pub fn study(plan: &Plan, runner: &Runner<'_>) -> Result<Results, StudyError> {
     let (mut vibrations_of, mut mesh_modes) = (Vec::new(), Vec::new());
     for (done, entry) in plan.entries.iter().enumerate() {
-        if interruption::requested() {
+        if runner.is_interrupted() {
             // After an interruption the finished part is reported.
             break;
         }
@@ -262,7 +261,7 @@ pub fn study(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, StudyError
         let label = entry.model_label();
         let key = (Key::new("modes").and_scene(scene.0, scene.1)).and(&(&label, &plan.wanted));
         let found = runner.piece(key, || {
-            match analysed(&label, scene, plan.conditions.models, &plan.wanted) {
+            match analysed(&label, scene, &plan.conditions.context.models, &plan.wanted) {
                 Err(e) if e.fault == Fault::Model => Ok((
                     ModelModes {
                         label: label.clone(),

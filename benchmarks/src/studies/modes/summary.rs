@@ -1,6 +1,6 @@
 //! Terminal summary of a record of `modes`.
 
-use crate::cli::terminal::print_line;
+use crate::messages::Messages;
 use gearbench_reports::modes::{LinearisedState, ModelModes};
 use gearbench_reports::numbers::{short, significant};
 use gearbench_reports::record::Results;
@@ -9,13 +9,13 @@ use gearbench_reports::record::Results;
 const MOST: usize = 12;
 
 /// Prints the state and the lowest modes of each model.
-pub fn summarise(results: &Results) {
+pub fn summarise(messages: &Messages, results: &Results) {
     for v in results.vibrations() {
-        print_line(&format!("{}: {}", v.label, state(v)));
+        messages.print_line(&format!("{}: {}", v.label, state(v)));
         if v.about == LinearisedState::NotFound {
             continue;
         }
-        print_line(&format!(
+        messages.print_line(&format!(
             "{:>14} {:>3} {:>9}  {}",
             "Hz", "x", "damping", "mode"
         ));
@@ -23,7 +23,7 @@ pub fn summarise(results: &Results) {
             let damping = m
                 .damping_ratio
                 .map_or(String::new(), |z| format!("{} %", short(100.0 * z, 3)));
-            print_line(&format!(
+            messages.print_line(&format!(
                 "{:>14} {:>3} {damping:>9}  {}",
                 significant(m.frequency_hz, 5),
                 m.multiplicity,
@@ -32,7 +32,7 @@ pub fn summarise(results: &Results) {
         }
         let listed: usize = v.modes.iter().take(MOST).map(|m| m.multiplicity).sum();
         if listed < v.frequencies {
-            print_line(&format!(
+            messages.print_line(&format!(
                 "{:>14} {} more, the highest at {} kHz",
                 "",
                 v.frequencies - listed,

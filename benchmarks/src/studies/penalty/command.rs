@@ -8,6 +8,7 @@ use crate::cli::command_result::CommandResult;
 use crate::cli::exit::Exit;
 use crate::cli::study_folder::StudyFolder;
 use crate::cli::terminal::{Refusal, refuse_study};
+use crate::context::Context;
 use crate::experiment::conditions::Conditions;
 use crate::experiment::configuration::Configuration;
 use crate::experiment::settings::settings;
@@ -18,8 +19,8 @@ use gearbench_reports::Study;
 use gearbench_reports::numbers::{round_quantity, short};
 
 /// Runs the study and writes its folder.
-pub fn run(args: &Penalty, command: &str) -> Result<CommandResult, Refusal> {
-    let scene = scene_file::load(&args.scene)?;
+pub fn run(context: &Context, args: &Penalty, command: &str) -> Result<CommandResult, Refusal> {
+    let scene = scene_file::load(context, &args.scene)?;
     let twin = |m: &&ModelChoice| scene.model(&format!("{}-hard", m.label)).is_some();
     let soft = |c: &ContactSpec| c.points.is_some_and(|p| p.has_penalty());
     let penalty = |m: &&ModelChoice| m.modelling.contacts.iter().any(soft);

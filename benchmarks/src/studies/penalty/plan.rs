@@ -6,8 +6,8 @@ use gearbench_integrators::Scheme;
 
 /// Plan of a study of the contact penalty: model, penalties and comparison with hard contact.
 #[derive(Clone, Debug)]
-pub struct Plan<'a> {
-    pub conditions: Conditions<'a>,
+pub struct Plan {
+    pub conditions: Conditions,
     /// Model whose contact penalty is varied.
     pub entry: Configuration,
     /// Model with hard contact and otherwise equal settings.

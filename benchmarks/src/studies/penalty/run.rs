@@ -34,13 +34,17 @@ fn with_penalty(entry: &Configuration, penalty: f64) -> Result<Configuration, St
 }
 
 /// Mean static transmission error over one base pitch [m].
-fn static_error(plan: &Plan<'_>, entry: &Configuration) -> Result<Option<f64>, StudyError> {
+fn static_error(plan: &Plan, entry: &Configuration) -> Result<Option<f64>, StudyError> {
     let Some(force) = plan.load else {
         return Ok(None);
     };
     let fail = |e| StudyError::Statics(entry.label.clone(), e);
-    let mut pair =
-        LoadedPair::new(&entry.scene, &entry.modelling, plan.conditions.models).map_err(fail)?;
+    let mut pair = LoadedPair::new(
+        &entry.scene,
+        &entry.modelling,
+        &plan.conditions.context.models,
+    )
+    .map_err(fail)?;
     let cycle = MeshCycle::solve(&mut pair, Load::Force(force), plan.positions, |_| {});
     Ok(Some(cycle.map_err(fail)?.mean_error()))
 }
@@ -49,7 +53,7 @@ fn static_error(plan: &Plan<'_>, entry: &Configuration) -> Result<Option<f64>, S
 ///
 /// # Errors
 /// [`StudyError`]; runs that fail are rows.
-pub fn study(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, StudyError> {
+pub fn study(plan: &Plan, runner: &Runner<'_>) -> Result<Results, StudyError> {
     let grid = plan.conditions.grid();
     let total = plan.penalties.len() + usize::from(plan.hard.is_some());
     let one = |entry: &Configuration, done: usize, what: &str| -> Result<Run, StudyError> {

@@ -1,11 +1,11 @@
 //! Terminal summary of a record of `penalty`.
 
-use crate::cli::terminal::print_line;
+use crate::messages::Messages;
 use gearbench_reports::record::Results;
 
 /// Prints one line per penalty.
-pub fn summarise(results: &Results) {
-    print_line(&format!(
+pub fn summarise(messages: &Messages, results: &Results) {
+    messages.print_line(&format!(
         "{:>10} {:>12} {:>13} {:>13}  {}",
         "Pa/m", "peak force", "impulse", "static TE", "status"
     ));
@@ -17,7 +17,7 @@ pub fn summarise(results: &Results) {
         let text = |x: Option<f64>, unit: &str, scale: f64| {
             x.map_or(String::new(), |x| format!("{:.5} {unit}", scale * x))
         };
-        print_line(&format!(
+        messages.print_line(&format!(
             "{name:>10} {:>12} {:>13} {:>13}  {}",
             text(m.and_then(|m| m.peak_force_n), "kN", 1e-3),
             text(m.and_then(|m| m.impulse_ns), "N s", 1.0),

@@ -7,6 +7,7 @@ use crate::cli::command_result::CommandResult;
 use crate::cli::exit::Exit;
 use crate::cli::study_folder::StudyFolder;
 use crate::cli::terminal::{Refusal, references_of, refuse_run};
+use crate::context::Context;
 use crate::experiment::conditions::Conditions;
 use crate::experiment::settings::settings;
 use crate::scene_file::{self, SceneError, Selection};
@@ -18,15 +19,18 @@ use std::time::Duration;
 const TIMED: Duration = Duration::from_millis(25);
 
 /// Runs the study and writes its folder.
-pub fn run(args: &Precision, command: &str) -> Result<CommandResult, Refusal> {
+pub fn run(context: &Context, args: &Precision, command: &str) -> Result<CommandResult, Refusal> {
     let refused = |reason: String| {
         Refusal::from(SceneError::plain(
             reason,
             "`gearbench precision --help` shows all options",
         ))
     };
-    let mut scene =
-        scene_file::load_for(&args.scene, Selection::Precision(args.models.as_deref()))?;
+    let mut scene = scene_file::load_for(
+        context,
+        &args.scene,
+        Selection::Precision(args.models.as_deref()),
+    )?;
     let references = references_of(&mut scene, &args.insist)?;
     let choices = scene.select_precision(args.models.as_deref())?;
     let plan = Plan::of(&scene, &choices, &references, &args.asked).map_err(refused)?;

@@ -62,8 +62,8 @@ pub struct Full {
 
 /// Plan of a study of accuracy against cost.
 #[derive(Clone, Debug)]
-pub struct Plan<'a> {
-    pub conditions: Conditions<'a>,
+pub struct Plan {
+    pub conditions: Conditions,
     /// Models with their series of resolutions.
     pub variants: Vec<Variant>,
     pub fulls: Vec<Full>,
@@ -75,7 +75,7 @@ pub struct Plan<'a> {
     pub timed: Duration,
 }
 
-impl Plan<'_> {
+impl Plan {
     /// Plans the study of some models of a scene.
     ///
     /// # Errors
@@ -85,7 +85,7 @@ impl Plan<'_> {
         choices: &[&ModelChoice],
         elsewhere: &[Reference],
         asked: &PrecisionOptions,
-    ) -> Result<Plan<'static>, String> {
+    ) -> Result<Plan, String> {
         let own = &scene.study.precision;
         let recorded = elsewhere.iter().map(|r| recorded(r, &scene.spec));
         let external: Vec<ReferenceSeries> = recorded.collect();

@@ -43,7 +43,7 @@ const UNKNOWN: &str = "without a converged solution";
 ///
 /// # Errors
 /// [`RunError`] when a model cannot be built, a reference does not reach the end, or the user interrupts.
-pub fn study(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, RunError> {
+pub fn study(plan: &Plan, runner: &Runner<'_>) -> Result<Results, RunError> {
     let study = Study {
         plan,
         grid: plan.conditions.grid(),
@@ -230,7 +230,7 @@ fn measure_against(
 }
 
 struct Study<'a> {
-    plan: &'a Plan<'a>,
+    plan: &'a Plan,
     grid: Vec<f64>,
 }
 

@@ -1,14 +1,14 @@
 //! Terminal summary of a record of `precision`.
 
 use super::run::COARSE;
-use crate::cli::terminal::print_line;
 use crate::experiment::budget::NOT_TRIED;
+use crate::messages::Messages;
 use gearbench_reports::numbers::{percent, quantity};
 use gearbench_reports::precision::{Cost, LEVELS, Precision as Told, family, modes_and_step};
 use gearbench_reports::record::{Results, SELF, Status};
 
 /// Prints the Pareto front of error and cost against every reference, and the cheapest run within each error limit.
-pub fn summarise(results: &Results) {
+pub fn summarise(messages: &Messages, results: &Results) {
     let told = Told::of(results);
     for id in &told.references {
         let metric = told.headline_against(id);
@@ -16,11 +16,11 @@ pub fn summarise(results: &Results) {
         if cloud.shown.is_empty() {
             continue;
         }
-        print_line(&format!("Pareto front against {id}, {metric}"));
+        messages.print_line(&format!("Pareto front against {id}, {metric}"));
         for i in cloud.front(|_| true) {
             let s = &cloud.shown[i];
             let fitted = if s.is_fitted() { ", fitted to it" } else { "" };
-            print_line(&format!(
+            messages.print_line(&format!(
                 "  {:>10} %  {:>9}  {} ({}){fitted}",
                 percent(s.point.error, 3),
                 quantity(s.run.cost_s(), "s", 3),
@@ -42,20 +42,20 @@ pub fn summarise(results: &Results) {
                 .map(|s| format!("{} {}", s.level(), s.winner()))
                 .collect();
             if !lines.is_empty() {
-                print_line(&format!("{which}:\n  {}", lines.join("\n  ")));
+                messages.print_line(&format!("{which}:\n  {}", lines.join("\n  ")));
             }
         }
     }
     if told.references.is_empty() {
         // Without a reference there is the integrators' own error.
         let metric = told.headline_against(SELF);
-        print_line(&format!(
+        messages.print_line(&format!(
             "error against each model's own converged solution, {metric}"
         ));
         let sound = results.runs.iter().filter(|r| !r.status.is_failure());
         for r in sound {
             let own = r.against(SELF).and_then(|m| m.get(metric));
-            print_line(&format!(
+            messages.print_line(&format!(
                 "  {:>10}  {:>9}  {} ({})",
                 own.map_or("unknown".into(), |e| format!("{} %", percent(e, 3))),
                 quantity(r.cost_s(), "s", 3),
@@ -66,7 +66,7 @@ pub fn summarise(results: &Results) {
     }
     let shown = |what: &str| what == COARSE || what == NOT_TRIED;
     for (what, which) in results.settings.iter().filter(|(what, _)| shown(what)) {
-        print_line(&format!("{what}: {which}"));
+        messages.print_line(&format!("{what}: {which}"));
     }
     let failed = (results.runs.iter())
         .filter(|r| r.status.is_failure())
@@ -74,7 +74,7 @@ pub fn summarise(results: &Results) {
     let timeouts = (results.runs.iter())
         .filter(|r| r.status == Status::Timeout)
         .count();
-    print_line(&format!(
+    messages.print_line(&format!(
         "{} runs, {failed} of them failed{}",
         results.runs.len(),
         match timeouts {

@@ -8,6 +8,7 @@ use crate::cli::command_result::CommandResult;
 use crate::cli::exit::Exit;
 use crate::cli::study_folder::StudyFolder;
 use crate::cli::terminal::{Refusal, refuse_study};
+use crate::context::Context;
 use crate::experiment::conditions::Conditions;
 use crate::experiment::configuration::Configuration;
 use crate::experiment::small_signals::selected_models;
@@ -16,7 +17,7 @@ use gearbench_reports::Study;
 use gearbench_reports::record::Results;
 
 /// Runs the study and writes its folder.
-pub fn run(args: &Response, command: &str) -> Result<CommandResult, Refusal> {
+pub fn run(context: &Context, args: &Response, command: &str) -> Result<CommandResult, Refusal> {
     let range = args.from.zip(args.to).map(|(a, b)| [a, b]);
     if let Some([from, to]) = range.filter(|[from, to]| to <= from) {
         return Err(SceneError::plain(
@@ -25,7 +26,11 @@ pub fn run(args: &Response, command: &str) -> Result<CommandResult, Refusal> {
         )
         .into());
     }
-    let scene = scene_file::load_for(&args.scene, Selection::Labels(args.models.as_deref()))?;
+    let scene = scene_file::load_for(
+        context,
+        &args.scene,
+        Selection::Labels(args.models.as_deref()),
+    )?;
     let (choices, settings) = selected_models(&scene, args.models.as_deref())?;
     let plan = Plan {
         conditions: Conditions {

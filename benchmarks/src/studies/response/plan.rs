@@ -5,9 +5,9 @@ use crate::experiment::configuration::Configuration;
 
 /// Plan of a study of frequency response: conditions, models and range of frequencies.
 #[derive(Clone, Debug)]
-pub struct Plan<'a> {
+pub struct Plan {
     /// Conditions of the scene, for the head of the record.
-    pub conditions: Conditions<'a>,
+    pub conditions: Conditions,
     /// Models whose response is computed.
     pub entries: Vec<Configuration>,
     /// Range and resolution of the response of each model.

@@ -2,7 +2,6 @@
 
 use super::plan::{FrequencyGrid, Plan};
 use crate::experiment::error::StudyError;
-use crate::experiment::interruption;
 use crate::experiment::key::Key;
 use crate::experiment::run::RunError;
 use crate::experiment::runner::Runner;
@@ -189,7 +188,7 @@ pub fn response(
 ///
 /// # Errors
 /// [`StudyError`]; models without a response are rows.
-pub fn study(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, StudyError> {
+pub fn study(plan: &Plan, runner: &Runner<'_>) -> Result<Results, StudyError> {
     let mut responses: Vec<ModelResponse> = Vec::new();
     let mut wanted = plan.wanted;
     for (done, entry) in plan.entries.iter().enumerate() {
@@ -198,10 +197,14 @@ pub fn study(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, StudyError
         let label = entry.model_label();
         let key = (Key::new("response").and_scene(scene.0, scene.1)).and(&(&label, &wanted));
         let made = runner.piece(key, || {
-            let found = response(&label, scene, plan.conditions.models, &wanted, &|_| {
-                interruption::requested()
-            });
-            match interruption::requested() {
+            let found = response(
+                &label,
+                scene,
+                &plan.conditions.context.models,
+                &wanted,
+                &|_| runner.is_interrupted(),
+            );
+            match runner.is_interrupted() {
                 true => Err(RunError::Interrupted.into()),
                 false => match found {
                     Err(e) if e.fault == Fault::Model => Ok(ModelResponse {
@@ -217,7 +220,7 @@ pub fn study(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, StudyError
         });
         let found = match made {
             // After an interruption the finished part is reported.
-            Err(_) if interruption::requested() => break,
+            Err(_) if runner.is_interrupted() => break,
             made => made?,
         };
         // All models at the frequencies of the first.
@@ -229,7 +232,7 @@ pub fn study(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, StudyError
     runner.report_progress(plan.entries.len(), plan.entries.len(), "report");
     let part = ResponseRecord { responses };
     Ok(Results {
-        mesh_modes: mesh_modes(&plan.entries, plan.conditions.models, runner)?,
+        mesh_modes: mesh_modes(&plan.entries, &plan.conditions.context.models, runner)?,
         ..plan.conditions.record(Part::Response(part))
     })
 }

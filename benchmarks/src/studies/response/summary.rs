@@ -1,20 +1,20 @@
 //! Terminal summary of a record of `response`.
 
-use crate::cli::terminal::print_line;
+use crate::messages::Messages;
 use gearbench_reports::numbers::{quantity, short};
 use gearbench_reports::record::Results;
 
 /// Prints the limit of slow running and the peak of each mesh.
-pub fn summarise(results: &Results) {
+pub fn summarise(messages: &Messages, results: &Results) {
     for r in results.responses() {
         if r.groups.is_empty() {
-            print_line(&format!("{}: {}", r.label, r.message));
+            messages.print_line(&format!("{}: {}", r.label, r.message));
             continue;
         }
-        print_line(&format!("{}:", r.label));
+        messages.print_line(&format!("{}:", r.label));
         for group in &r.groups {
             for (k, limit) in group.meshes.iter().enumerate() {
-                print_line(&format!(
+                messages.print_line(&format!(
                     "  {}: force {}, stiffness {}/m, quasi-static transmission error {} um rms",
                     limit.name,
                     quantity(limit.force_n, "N", 5),
@@ -26,7 +26,7 @@ pub fn summarise(results: &Results) {
                 let valid = group.points.iter().filter(|p| p.is_linear());
                 let peak = valid.max_by(|a, b| rms(a).total_cmp(&rms(b)));
                 if let Some(peak) = peak {
-                    print_line(&format!(
+                    messages.print_line(&format!(
                         "    largest transmission error with continuous contact, at a mesh frequency of {}: {} um rms, force {} to {}",
                         quantity(peak.mesh_frequency_hz, "Hz", 5),
                         short(1e6 * peak.meshes[k].error_rms_m, 4),
@@ -36,7 +36,7 @@ pub fn summarise(results: &Results) {
                 }
             }
             if let (Some(f), Some([low, high])) = (group.resonance_hz, group.resonance_range_hz) {
-                print_line(&format!(
+                messages.print_line(&format!(
                     "  resonance {}, varying over the mesh cycle from {} to {}",
                     quantity(f, "Hz", 4),
                     quantity(low, "Hz", 4),
@@ -48,7 +48,7 @@ pub fn summarise(results: &Results) {
                 .map(|p| p.mesh_frequency_hz)
                 .collect();
             if let (Some(first), Some(last)) = (parts.first(), parts.last()) {
-                print_line(&format!(
+                messages.print_line(&format!(
                     "  flanks separate at {} of {} frequencies, from {} to {}, where the response is not valid",
                     parts.len(),
                     group.points.len(),

@@ -3,6 +3,7 @@
 
 use super::plan::FrequencyGrid;
 use super::run::response;
+use crate::context::Context;
 use crate::experiment::conditions::Conditions;
 use crate::experiment::configuration::Configuration;
 use crate::experiment::runner::Runner;
@@ -130,7 +131,14 @@ fn loaded_mesh(changes: &[(&str, &str)]) -> SceneFile {
         assert!(text.contains(from), "{from}");
         text = text.replace(from, to);
     }
-    SceneFile::unbuilt("loaded_mesh", &text, Origin::Shipped, true).unwrap()
+    SceneFile::unbuilt(
+        &Context::default(),
+        "loaded_mesh",
+        &text,
+        Origin::Shipped,
+        true,
+    )
+    .unwrap()
 }
 
 /// Responses agree with runs of gears under load, near and away from the resonances of harmonics, as long as no flanks

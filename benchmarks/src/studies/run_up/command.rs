@@ -8,15 +8,14 @@ use crate::cli::command_result::CommandResult;
 use crate::cli::exit::Exit;
 use crate::cli::study_folder::StudyFolder;
 use crate::cli::terminal::{Refusal, refuse_study};
+use crate::context::Context;
 use crate::experiment::conditions::Conditions;
 use crate::experiment::configuration::Configuration;
 use crate::experiment::run::LEFT_OUT;
 use crate::experiment::run::NO_BOUND;
 use crate::experiment::settings::settings;
-use crate::models::models;
 use crate::scene_file::{self, ModelChoice, SceneError, SceneFile, Selection};
 use gearbench_integrators::table::VELOCITY_VERLET;
-use gearbench_models::gear::table::properties_of;
 use gearbench_models::spec::{Body, Mount};
 use gearbench_reports::Study;
 use gearbench_reports::record::Results;
@@ -26,11 +25,15 @@ use std::time::Duration;
 const BEFORE: f64 = 0.02;
 
 /// Runs the study and writes its folder.
-pub fn run(args: &RunUp, command: &str) -> Result<CommandResult, Refusal> {
-    let scene = scene_file::load_for(&args.scene, Selection::Labels(args.models.as_deref()))?;
+pub fn run(context: &Context, args: &RunUp, command: &str) -> Result<CommandResult, Refusal> {
+    let scene = scene_file::load_for(
+        context,
+        &args.scene,
+        Selection::Labels(args.models.as_deref()),
+    )?;
     let choices = scene.select(args.models.as_deref())?;
     // Full finite elements need hours for the revolutions of a run-up.
-    let full = |c: &&ModelChoice| properties_of(models(), &c.model).full_order;
+    let full = |c: &&ModelChoice| scene.properties_of(&c.model).full_order;
     let (left, taken): (Vec<&ModelChoice>, Vec<&ModelChoice>) = choices.into_iter().partition(full);
     if let Some(choice) = left.first().filter(|_| taken.is_empty()) {
         let why = format!("a run-up of `{}` would take hours", choice.label);

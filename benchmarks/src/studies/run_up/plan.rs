@@ -33,9 +33,9 @@ pub struct EvaluationSettings {
 
 /// Plan of a study of run-ups.
 #[derive(Clone, Debug)]
-pub struct Plan<'a> {
+pub struct Plan {
     /// Conditions of the scene, for the head of the record; the duration is that of the run-up.
-    pub conditions: Conditions<'a>,
+    pub conditions: Conditions,
     /// Models that are run up.
     pub entries: Vec<Configuration>,
     /// Integrator of models without their own.

@@ -29,7 +29,7 @@ const MARKED: usize = 12;
 ///
 /// # Errors
 /// [`StudyError`]; runs that fail are rows.
-pub fn study(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, StudyError> {
+pub fn study(plan: &Plan, runner: &Runner<'_>) -> Result<Results, StudyError> {
     let (mut runs, mut run_ups) = (Vec::new(), Vec::new());
     for (done, entry) in plan.entries.iter().enumerate() {
         runner.report_progress(done, plan.entries.len(), &entry.label);
@@ -56,18 +56,18 @@ pub fn study(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, StudyError
 }
 
 /// The scene that a model runs.
-fn scene_of(plan: &Plan<'_>, entry: &Configuration) -> Result<SceneSpec, StudyError> {
+fn scene_of(plan: &Plan, entry: &Configuration) -> Result<SceneSpec, StudyError> {
     let Some(ramp) = &plan.ramp else {
         return Ok(entry.scene.clone());
     };
     let scene = (&entry.scene, &entry.modelling);
-    let made = run_up(scene, plan.conditions.models, plan.look.gear, ramp);
+    let made = run_up(scene, &plan.conditions.context.models, plan.look.gear, ramp);
     let made = made.map_err(RunError::from)?;
     made.map_err(|RampError(why, way_out)| StudyError::Scene(why, way_out))
 }
 
 fn one(
-    plan: &Plan<'_>,
+    plan: &Plan,
     runner: &Runner<'_>,
     entry: &Configuration,
 ) -> Result<(Run, ModelRunUp), StudyError> {
@@ -83,7 +83,8 @@ fn one(
     let key = job.key().and(&plan.look);
     let made = runner.row_with(key, method, || {
         let started = Instant::now();
-        let mut scene = assemble(&spec, &entry.modelling, job.models).map_err(RunError::from)?;
+        let mut scene =
+            assemble(&spec, &entry.modelling, &job.context.models).map_err(RunError::from)?;
         let recorded = ChannelLayout::of(&spec);
         let range = [plan.look.onset, job.t_end];
         let mut recorder = Recorder::new(recorded.channels(&scene), range, plan.look.samples);
@@ -118,7 +119,7 @@ fn one(
 
 /// Natural frequencies of the scene under its loads, within what is shown.
 fn natural(
-    plan: &Plan<'_>,
+    plan: &Plan,
     (entry, spec): (&Configuration, &SceneSpec),
     found: &ModelRunUp,
 ) -> Result<Vec<NaturalFrequency>, StudyError> {
@@ -126,7 +127,7 @@ fn natural(
         return Ok(Vec::new());
     };
     let scene = (spec, &entry.modelling);
-    let models = plan.conditions.models;
+    let models = &*plan.conditions.context.models;
     let built = Scene::build(spec, &entry.modelling, models).map_err(RunError::from)?;
     if built.layout().n > FEW {
         return Ok(Vec::new());

@@ -1,6 +1,6 @@
 //! Terminal summary of a record of `run-up`.
 
-use crate::cli::terminal::print_line;
+use crate::messages::Messages;
 use gearbench_reports::numbers::{quantity, short};
 use gearbench_reports::record::Results;
 use gearbench_reports::run_up::strongest;
@@ -9,13 +9,13 @@ use gearbench_reports::run_up::strongest;
 const MOST: usize = 12;
 
 /// Prints the strongest order of each quantity with the speed at which it peaks.
-pub fn summarise(results: &Results) {
+pub fn summarise(messages: &Messages, results: &Results) {
     for run in results.run_ups() {
         if !run.message.is_empty() {
-            print_line(&format!("{}: {}", run.label, run.message));
+            messages.print_line(&format!("{}: {}", run.label, run.message));
             continue;
         }
-        print_line(&format!(
+        messages.print_line(&format!(
             "{}: {} with mean speeds of the windows from {} to {} rad/s in {} revolutions, windows of {} {} and {}",
             run.label,
             run.gear,
@@ -30,12 +30,12 @@ pub fn summarise(results: &Results) {
             },
             quantity(run.by_time.span, "s", 3)
         ));
-        print_line(&format!(
+        messages.print_line(&format!(
             "{:<40} {:<26} {:>9} {:>12} {:>12} {:>10}",
             "quantity", "order", "", "amplitude", "at rad/s", "at Hz"
         ));
         for peak in strongest(run, 1).iter().take(MOST) {
-            print_line(&format!(
+            messages.print_line(&format!(
                 "{:<40} {:<26} {:>9} {:>12} {:>12} {:>10}",
                 peak.channel.name,
                 peak.order.name,

@@ -109,7 +109,7 @@ fn pair() -> SceneFile {
 /// Relative amplitude of the stiffness variation.
 const DEPTH: f64 = 0.05;
 
-fn conditions(scene: &SceneFile) -> Conditions<'static> {
+fn conditions(scene: &SceneFile) -> Conditions {
     Conditions {
         repeats: 0,
         samples: 500,

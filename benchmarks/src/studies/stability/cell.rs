@@ -56,7 +56,7 @@ pub struct Reference {
 }
 
 fn run_one(
-    plan: &Plan<'_>,
+    plan: &Plan,
     map: &MapPlan,
     setup: &Setup,
     method: &Scheme,
@@ -78,10 +78,10 @@ fn error(row: &Run, against: &TimeSeries, tolerance: &Tolerance) -> Option<f64> 
 }
 
 /// Computes the converged solution of a set-up.
-pub fn reference(plan: &Plan<'_>, map: &MapPlan, setup: &Setup) -> Result<Reference, RunError> {
+pub fn reference(plan: &Plan, map: &MapPlan, setup: &Setup) -> Result<Reference, RunError> {
     let any = |has: fn(Properties) -> bool| {
         let mut gears = setup.modelling.gears.iter();
-        gears.any(|g| has(properties_of(plan.conditions.models, &g.id)))
+        gears.any(|g| has(properties_of(&plan.conditions.context.models, &g.id)))
     };
     let mut why = String::new();
     let tried: &[[(MethodSpec, f64); 2]] = if any(|p| p.full_order) {
@@ -138,7 +138,7 @@ pub fn reference(plan: &Plan<'_>, map: &MapPlan, setup: &Setup) -> Result<Refere
 
 /// Runs a cell at a step or tolerance and labels it; returns the cell and the wall time.
 pub fn cell(
-    plan: &Plan<'_>,
+    plan: &Plan,
     map: &MapPlan,
     setup: &Setup,
     at: f64,

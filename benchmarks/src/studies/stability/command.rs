@@ -12,11 +12,11 @@ use crate::cli::exit::Exit;
 use crate::cli::files::write_whole;
 use crate::cli::study_folder::StudyFolder;
 use crate::cli::terminal::{Refusal, refuse_run, refuse_study};
+use crate::context::Context;
 use crate::experiment::conditions::Conditions;
 use crate::experiment::configuration::Configuration;
 use crate::experiment::run::RunError;
 use crate::experiment::settings::settings;
-use crate::models::models;
 use crate::scene_file::{self, ModelChoice, SceneError, SceneFile, Selection};
 use crate::studies::stability::scene::{AxisValues, COLUMNS, MAX_STEPS, StabilitySet};
 use gearbench_integrators::system::SecondOrderSystem;
@@ -24,7 +24,6 @@ use gearbench_integrators::table::{
     DOPRI5, GENERALISED_ALPHA, NEWMARK, RK4, TRIGONOMETRIC, VELOCITY_VERLET,
 };
 use gearbench_integrators::{MethodSpec, Scheme, Stepping};
-use gearbench_models::gear::table::properties_of;
 use gearbench_models::scene::Scene;
 use gearbench_reports::Study;
 use gearbench_reports::numbers::short;
@@ -48,8 +47,8 @@ const TOLERANCES: [f64; 2] = [1e-9, 1e-1];
 const SAMPLES: usize = 500;
 
 /// Runs the study and writes its folder.
-pub fn run(args: &Stability, command: &str) -> Result<CommandResult, Refusal> {
-    let mut scene = scene_file::load_for(&args.scene, Selection::None)?;
+pub fn run(context: &Context, args: &Stability, command: &str) -> Result<CommandResult, Refusal> {
+    let mut scene = scene_file::load_for(context, &args.scene, Selection::None)?;
     let mut chosen: Vec<String> = Vec::new();
     for set in sets(&scene, args)?.iter() {
         chosen.extend(choices(&scene, set)?.iter().map(|c| c.label.clone()));
@@ -149,13 +148,13 @@ fn choices<'s>(scene: &'s SceneFile, set: &StabilitySet) -> Result<Vec<&'s Model
         None => {
             let all = scene.select(None)?;
             (all.into_iter()
-                .filter(|c| !properties_of(models(), &c.model).full_order))
+                .filter(|c| !scene.properties_of(&c.model).full_order))
             .collect()
         }
     })
 }
 
-fn plan(scene: &SceneFile, args: &Stability, command: &str) -> Result<Plan<'static>, Refusal> {
+fn plan(scene: &SceneFile, args: &Stability, command: &str) -> Result<Plan, Refusal> {
     let mut entries: Vec<Configuration> = Vec::new();
     let mut chosen: Vec<&ModelChoice> = Vec::new();
     let mut maps = Vec::new();
@@ -169,7 +168,7 @@ fn plan(scene: &SceneFile, args: &Stability, command: &str) -> Result<Plan<'stat
                 entries.len() - 1
             });
             let e = &entries[entry];
-            let mut built = Scene::build(&e.scene, &e.modelling, models())
+            let mut built = Scene::build(&e.scene, &e.modelling, &scene.context.models)
                 .map_err(|error| scene.locate_in(&choice.label, &error))?;
             let about = ModelData {
                 scene,

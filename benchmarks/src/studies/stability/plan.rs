@@ -98,8 +98,8 @@ impl MapPlan {
 
 /// Plan of a study of stability.
 #[derive(Clone, Debug)]
-pub struct Plan<'a> {
-    pub conditions: Conditions<'a>,
+pub struct Plan {
+    pub conditions: Conditions,
     pub entries: Vec<Configuration>,
     /// Maps of the study, in the order of the record.
     pub maps: Vec<MapPlan>,
@@ -109,7 +109,7 @@ pub struct Plan<'a> {
     pub refine: bool,
 }
 
-impl Plan<'_> {
+impl Plan {
     /// Returns scene, models and integrator of a row of a map.
     pub fn setup(&self, map: &MapPlan, row: usize) -> Result<Setup, AxisError> {
         let mut setup = self.own(map);

@@ -4,7 +4,6 @@ use super::cell::Reference;
 use super::plan::{MapPlan, Plan};
 use super::setup::Setup;
 use crate::experiment::error::StudyError;
-use crate::experiment::interruption;
 use crate::experiment::key::Key;
 use crate::experiment::parallel::{in_parallel, lock};
 use crate::experiment::run::RunError;
@@ -39,7 +38,7 @@ struct FinishedRun {
 type ReferenceSlot = Arc<Mutex<Option<Arc<Reference>>>>;
 
 struct StudyState<'a> {
-    plan: &'a Plan<'a>,
+    plan: &'a Plan,
     runner: &'a Runner<'a>,
     /// Finished runs by the name of their cell.
     done: Mutex<HashMap<String, FinishedRun>>,
@@ -62,7 +61,7 @@ fn refined_name(map: usize, step: f64) -> String {
 /// # Errors
 /// [`StudyError`]; runs that fail are cells.
 pub fn study(
-    plan: &Plan<'_>,
+    plan: &Plan,
     runner: &Runner<'_>,
     threads: usize,
 ) -> Result<(Results, Timings), StudyError> {
@@ -96,12 +95,16 @@ pub fn study(
         }
     }
     in_parallel(threads, &needed, |(_, m, row)| {
-        if interruption::requested() {
+        if runner.is_interrupted() {
             return Ok(());
         }
         work.reference(*m, *row).map(|_| ())
     })
-    .or_else(unless_interrupted)?;
+    .or_else(|e| match runner.is_interrupted() {
+        // The runs concerned are cells that were not computed.
+        true => Ok(()),
+        false => Err(e),
+    })?;
     in_parallel(threads, &pending, |(m, c)| work.cell(*m, *c))?;
     if plan.refine {
         let all: Vec<usize> = (0..plan.maps.len()).collect();
@@ -129,7 +132,7 @@ pub fn study(
     Ok((
         Results {
             tolerance: Some(plan.tolerance.clone()),
-            mesh_modes: mesh_modes(&plan.entries, plan.conditions.models, runner)?,
+            mesh_modes: mesh_modes(&plan.entries, &plan.conditions.context.models, runner)?,
             ..plan
                 .conditions
                 .record(Part::Stability(StabilityRecord { maps }))
@@ -138,17 +141,8 @@ pub fn study(
     ))
 }
 
-/// Returns success for errors after an interruption: the runs concerned are cells that were not computed.
-fn unless_interrupted(e: StudyError) -> Result<(), StudyError> {
-    if interruption::requested() {
-        Ok(())
-    } else {
-        Err(e)
-    }
-}
-
 /// Name of what a run and its converged solution depend on.
-fn key(kind: &str, plan: &Plan<'_>, map: &MapPlan, setup: &Setup) -> Key {
+fn key(kind: &str, plan: &Plan, map: &MapPlan, setup: &Setup) -> Key {
     let conditions = &plan.conditions;
     Key::new(kind)
         .and_scene(&setup.scene, &setup.modelling)
@@ -158,18 +152,18 @@ fn key(kind: &str, plan: &Plan<'_>, map: &MapPlan, setup: &Setup) -> Key {
 
 /// Name of a converged solution: rows that differ in parameters of the integrator alone share it, and so do all
 /// integrators of a model.
-fn reference_key(plan: &Plan<'_>, map: &MapPlan, setup: &Setup) -> Key {
+fn reference_key(plan: &Plan, map: &MapPlan, setup: &Setup) -> Key {
     key("converged solution", plan, map, setup)
 }
 
 /// Name of a run at a step or tolerance.
-fn run_key(plan: &Plan<'_>, map: &MapPlan, setup: &Setup, at: f64) -> Key {
+fn run_key(plan: &Plan, map: &MapPlan, setup: &Setup, at: f64) -> Key {
     key("cell", plan, map, setup).and(&(setup.method.to_string(), map.columns, at))
 }
 
 /// Builds the gears with most modes first: reductions stay in the process, and one with more modes serves those with
 /// fewer.
-fn reduce_once(plan: &Plan<'_>) -> Result<(), StudyError> {
+fn reduce_once(plan: &Plan) -> Result<(), StudyError> {
     let mut seen: Vec<(usize, usize)> = Vec::new();
     for map in &plan.maps {
         if seen.contains(&(map.set, map.entry)) {
@@ -180,14 +174,18 @@ fn reduce_once(plan: &Plan<'_>) -> Result<(), StudyError> {
         let last = (0..map.rows()).max_by(|a, b| places(a).total_cmp(&places(b)));
         for row in last.into_iter().chain([0]) {
             let setup = setup(plan, map, row)?;
-            Scene::build(&setup.scene, &setup.modelling, plan.conditions.models)
-                .map_err(RunError::from)?;
+            Scene::build(
+                &setup.scene,
+                &setup.modelling,
+                &plan.conditions.context.models,
+            )
+            .map_err(RunError::from)?;
         }
     }
     Ok(())
 }
 
-fn setup(plan: &Plan<'_>, map: &MapPlan, row: usize) -> Result<Setup, StudyError> {
+fn setup(plan: &Plan, map: &MapPlan, row: usize) -> Result<Setup, StudyError> {
     plan.setup(map, row).map_err(|e| {
         let why = format!("{}: {e}", plan.entries[map.entry].label);
         StudyError::Scene(why, "leave the parameter out for this model")
@@ -238,7 +236,7 @@ impl StudyState<'_> {
     fn run(&self, m: usize, row: usize, at: f64, name: String) -> Result<(), StudyError> {
         let map = &self.plan.maps[m];
         let setup = setup(self.plan, map, row)?;
-        let made = if interruption::requested() {
+        let made = if self.runner.is_interrupted() {
             Err(StudyError::Run(RunError::Interrupted))
         } else {
             (self.runner).piece(run_key(self.plan, map, &setup, at), || {
@@ -249,7 +247,7 @@ impl StudyState<'_> {
             })
         };
         let done = match made {
-            Err(_) if interruption::requested() => FinishedRun {
+            Err(_) if self.runner.is_interrupted() => FinishedRun {
                 cell: Cell {
                     at,
                     status: Status::Interrupted,
@@ -277,7 +275,7 @@ impl StudyState<'_> {
         for _ in 0..MOST_REFINED {
             let map = self.assemble(m, &mut Timings::new());
             let next = map.limit().and_then(|l| l.next());
-            let Some(step) = next.filter(|_| !interruption::requested()) else {
+            let Some(step) = next.filter(|_| !self.runner.is_interrupted()) else {
                 break;
             };
             self.total.fetch_add(1, Ordering::Relaxed);

@@ -224,13 +224,14 @@ fn with_parameter(method: MethodSpec, name: &str, value: f64) -> Result<MethodSp
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::context::Context;
     use crate::scene_file::{Selection, load_for};
     use crate::studies::stability::axis::spaced;
     use gearbench_integrators::table::NEWMARK;
     use gearbench_models::scene::Scene;
 
     fn setup(scene: &str, label: &str, method: &str) -> Setup {
-        let file = load_for(scene, Selection::Labels(Some(label))).unwrap();
+        let file = load_for(&Context::default(), scene, Selection::Labels(Some(label))).unwrap();
         let choice = file.model(label).unwrap();
         Setup {
             scene: file.spec_for(choice),

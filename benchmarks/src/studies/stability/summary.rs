@@ -1,12 +1,12 @@
 //! Terminal summary of a record of `stability`.
 
-use crate::cli::terminal::print_line;
+use crate::messages::Messages;
 use gearbench_reports::numbers::{quantity, short};
 use gearbench_reports::record::{Results, Status};
 use gearbench_reports::stability::Map;
 
 /// Prints the number of cells of each label, and the largest stable steps.
-pub fn summarise(results: &Results) {
+pub fn summarise(messages: &Messages, results: &Results) {
     let total: usize = results.maps().iter().map(|m| m.cells.len()).sum();
     let of = |s: Status| -> usize {
         let all = results.maps().iter().flat_map(|m| &m.cells);
@@ -16,8 +16,8 @@ pub fn summarise(results: &Results) {
         .filter(|s| of(*s) > 0)
         .map(|s| format!("{} {s}", of(s)))
         .collect();
-    print_line(&format!("{total} cells: {}", counted.join(", ")));
-    print_line(&format!(
+    messages.print_line(&format!("{total} cells: {}", counted.join(", ")));
+    messages.print_line(&format!(
         "{:<26} {:<32} {:>14} {:>10} {:>8}  failing with",
         "model", "integrator", "largest stable", "theory", "ratio"
     ));
@@ -38,7 +38,7 @@ pub fn summarise(results: &Results) {
             (None, None) => String::new(),
         };
         let theory = map.theory(map.own_row()).map(|(h, _)| h);
-        print_line(&format!(
+        messages.print_line(&format!(
             "{:<26} {:<32} {step:>14} {:>10} {:>8}  {}",
             map.model_label(),
             map.integrator,

@@ -11,7 +11,7 @@ use gearbench_reports::stability::{Columns, MapLine};
 
 /// The lines of all maps that share their converged solutions with map `first` (one model over one set of axes), by
 /// place in the plan. A row that cannot be linearised has no lines.
-pub fn lines(plan: &Plan<'_>, maps: &[usize]) -> Vec<(usize, Vec<MapLine>)> {
+pub fn lines(plan: &Plan, maps: &[usize]) -> Vec<(usize, Vec<MapLine>)> {
     let mut all: Vec<(usize, Vec<MapLine>)> = maps.iter().map(|m| (*m, Vec::new())).collect();
     let mut linearised: Vec<(Key, Option<Linearised>)> = Vec::new();
     for (m, lines) in &mut all {
@@ -43,8 +43,13 @@ pub fn lines(plan: &Plan<'_>, maps: &[usize]) -> Vec<(usize, Vec<MapLine>)> {
     all
 }
 
-fn linearise(plan: &Plan<'_>, setup: &Setup) -> Option<Linearised> {
-    Linearised::new(&setup.scene, &setup.modelling, plan.conditions.models).ok()
+fn linearise(plan: &Plan, setup: &Setup) -> Option<Linearised> {
+    Linearised::new(
+        &setup.scene,
+        &setup.modelling,
+        &plan.conditions.context.models,
+    )
+    .ok()
 }
 
 /// Puts the step of one row into the line with its label.
@@ -61,7 +66,7 @@ fn push_line(lines: &mut Vec<MapLine>, (row, rows): (usize, usize), step: StepLi
 }
 
 /// Returns the indices of maps that share their linearised scenes.
-pub fn shared(plan: &Plan<'_>) -> Vec<Vec<usize>> {
+pub fn shared(plan: &Plan) -> Vec<Vec<usize>> {
     let mut found: Vec<Vec<usize>> = Vec::new();
     for (m, map) in plan.maps.iter().enumerate() {
         let same = |group: &&mut Vec<usize>| {

@@ -9,9 +9,9 @@ use crate::cli::exit::Exit;
 use crate::cli::study_folder::StudyFolder;
 use crate::cli::terminal::{Refusal, refuse_study};
 use crate::cli::values::DEFAULT_LOAD;
+use crate::context::Context;
 use crate::experiment::conditions::Conditions;
 use crate::experiment::settings::settings;
-use crate::models::models;
 use crate::scene_file::{self, Selection};
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{Load, base_radius, initial_speed, signed_base_radius};
@@ -23,14 +23,18 @@ use gearbench_reports::record::Results;
 pub(super) const STATIC_LOAD: &str = "static load";
 
 /// Loads the models of a scene over a mesh cycle and writes a folder.
-pub fn run(args: &Stiffness, command: &str) -> Result<CommandResult, Refusal> {
-    let scene = scene_file::load_for(&args.scene, Selection::Labels(args.models.as_deref()))?;
+pub fn run(context: &Context, args: &Stiffness, command: &str) -> Result<CommandResult, Refusal> {
+    let scene = scene_file::load_for(
+        context,
+        &args.scene,
+        Selection::Labels(args.models.as_deref()),
+    )?;
     let choices = scene.select(args.models.as_deref())?;
     let mut entries: Vec<Entry> = choices
         .iter()
         .map(|c| Entry {
             label: c.label.clone(),
-            includes: includes(&c.modelling, models()),
+            includes: includes(&c.modelling, &context.models),
             spec: scene.spec_for(c),
             modelling: c.modelling.clone(),
             stated: None,
@@ -50,7 +54,7 @@ pub fn run(args: &Stiffness, command: &str) -> Result<CommandResult, Refusal> {
     let mut told = settings(&scene, &choices, false);
     told.retain(|(what, _)| what != "simulated time");
     // The formulas replace rigid gears of the same scene.
-    let own = entries.last().and_then(own_force);
+    let own = entries.last().and_then(|rigid| own_force(context, rigid));
     let loads: Result<Vec<StaticLoad>, Refusal> = entries
         .iter()
         .map(|e| StaticLoad::of(args, e, own))
@@ -92,8 +96,8 @@ fn ended(results: &Results) -> Exit {
 /// ```text
 /// F = (F_1/m_1 + F_2/m_2) / (1/m_1 + 1/m_2),    F_i = T_i / r_bi,    m_i = I_i / r_bi^2,  infinite where the hub is held
 /// ```
-fn own_force(rigid: &Entry) -> Option<f64> {
-    let built = Scene::build(&rigid.spec, &rigid.modelling, models()).ok()?;
+fn own_force(context: &Context, rigid: &Entry) -> Option<f64> {
+    let built = Scene::build(&rigid.spec, &rigid.modelling, &context.models).ok()?;
     let mesh = &rigid.spec.meshes[0];
     let sign = mesh.start.side.sign();
     let (mut sum, mut inverse) = (0.0, 0.0);

@@ -11,9 +11,9 @@ use gearbench_models::stiffness::{
 };
 
 /// Plan of a study of mesh stiffness.
-pub struct Plan<'a> {
+pub struct Plan {
     /// Conditions of the scene, for the head of the record.
-    pub conditions: Conditions<'a>,
+    pub conditions: Conditions,
     /// Models of the scene, followed by formulas, each with its force along the line of action [N].
     pub entries: Vec<(Entry, f64)>,
     /// Number of positions over one base pitch.
@@ -135,6 +135,7 @@ pub fn includes(modelling: &Modelling, models: &[Model]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::context::Context;
     use crate::scene_file::{Origin, SceneFile};
 
     fn helical(
@@ -154,9 +155,15 @@ mod tests {
             gear("a", a, angle, extra[0]),
             gear("b", b, -angle, extra[1]),
         );
-        SceneFile::parse("helical.toml", &text, Origin::Shipped, false)
-            .unwrap()
-            .spec
+        SceneFile::parse(
+            &Context::default(),
+            "helical.toml",
+            &text,
+            Origin::Shipped,
+            false,
+        )
+        .unwrap()
+        .spec
     }
 
     /// ISO/TR 6336-30, example 1, its Annex A; and pairs of 20 and 30 degrees by the formula worked by hand.

@@ -2,7 +2,6 @@
 
 use super::plan::{Entry, Plan};
 use crate::experiment::error::StudyError;
-use crate::experiment::interruption;
 use crate::experiment::key::Key;
 use crate::experiment::run::RunError;
 use crate::experiment::runner::Runner;
@@ -18,11 +17,11 @@ use std::time::Instant;
 ///
 /// # Errors
 /// [`StudyError`]; a model without equilibria is a row with the reason. Where no model has any, the reason of the first.
-pub fn study(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, StudyError> {
+pub fn study(plan: &Plan, runner: &Runner<'_>) -> Result<Results, StudyError> {
     let total = plan.positions * plan.entries.len();
     let (mut all, mut first) = (Vec::new(), None);
     for (i, (entry, force)) in plan.entries.iter().enumerate() {
-        if interruption::requested() {
+        if runner.is_interrupted() {
             return Err(RunError::Interrupted.into());
         }
         let done = plan.positions * i;
@@ -34,7 +33,7 @@ pub fn study(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, StudyError
         let made = runner.piece(key, || {
             solve(
                 (entry, *force),
-                plan.conditions.models,
+                &plan.conditions.context.models,
                 plan.positions,
                 progress,
             )
@@ -130,6 +129,7 @@ fn equilibria_of(cycle: &MeshCycle) -> Vec<StiffnessPosition> {
 mod tests {
     use super::super::plan::formulas;
     use super::*;
+    use crate::context::Context;
     use crate::experiment::conditions::Conditions;
     use crate::experiment::journal::{JOURNAL, Journal, Subject};
     use crate::scene_file::load_unbuilt;
@@ -138,7 +138,7 @@ mod tests {
     /// Models that an earlier, interrupted start has finished are read from its journal, with the same numbers.
     #[test]
     fn finished_models_are_not_solved_again() {
-        let scene = load_unbuilt("spur_impact").unwrap();
+        let scene = load_unbuilt(&Context::default(), "spur_impact").unwrap();
         let choice = scene.model("rigid-iso6336").unwrap();
         let entries = formulas(&scene.spec_for(choice), &choice.modelling);
         let mut plan = Plan {
@@ -153,7 +153,8 @@ mod tests {
         let progress = |done: usize, _: usize, _: &str| {
             solved.fetch_add(usize::from(!done.is_multiple_of(4)), Ordering::Relaxed);
         };
-        let run = |plan: &Plan<'_>| study(plan, &Runner::new(open(), &progress)).unwrap();
+        let run =
+            |plan: &Plan| study(plan, &Runner::new(Context::default(), open(), &progress)).unwrap();
         let first = run(&plan);
         // The last position of each ends a multiple of four.
         assert_eq!((solved.load(Ordering::Relaxed), open().len()), (6, 2));

@@ -8,20 +8,19 @@ use crate::cli::command_result::CommandResult;
 use crate::cli::exit::Exit;
 use crate::cli::study_folder::StudyFolder;
 use crate::cli::terminal::{Refusal, refuse_study};
+use crate::context::Context;
 use crate::experiment::conditions::Conditions;
 use crate::experiment::configuration::Configuration;
 use crate::experiment::settings::settings;
-use crate::models::models;
 use crate::scene_file::{self, ModelChoice, Selection};
 use gearbench_integrators::table::VELOCITY_VERLET;
-use gearbench_models::gear::table::properties_of;
 use gearbench_reports::Study;
 
 /// Default range of mesh frequencies over that of the resonance [-].
 const AROUND: [f64; 2] = [0.06, 1.5];
 
 /// Runs the sweep and writes its folder.
-pub fn run(args: &Sweep, command: &str) -> Result<CommandResult, Refusal> {
+pub fn run(context: &Context, args: &Sweep, command: &str) -> Result<CommandResult, Refusal> {
     if let (Some(from), Some(to)) = (args.from, args.to)
         && from >= to
     {
@@ -30,12 +29,16 @@ pub fn run(args: &Sweep, command: &str) -> Result<CommandResult, Refusal> {
             "the sweep from {from} to {to} Hz is empty"
         )));
     }
-    let unbuilt = scene_file::load_for(&args.scene, Selection::None)?;
+    let unbuilt = scene_file::load_for(context, &args.scene, Selection::None)?;
     check(&unbuilt.name, &unbuilt.spec).map_err(|e| refuse_study(&unbuilt, e))?;
-    let scene = scene_file::load_for(&args.scene, Selection::Labels(args.models.as_deref()))?;
+    let scene = scene_file::load_for(
+        context,
+        &args.scene,
+        Selection::Labels(args.models.as_deref()),
+    )?;
     let choices = scene.select(args.models.as_deref())?;
     // Full finite elements run far too long; they serve for the static limit only.
-    let full = |m: &ModelChoice| properties_of(models(), &m.model).full_order;
+    let full = |m: &ModelChoice| unbuilt.properties_of(&m.model).full_order;
     let mut standing: Vec<&ModelChoice> = choices.iter().copied().filter(|m| full(m)).collect();
     if args.models.is_none() {
         let more = scene.models.iter().filter(|m| full(m));

@@ -174,7 +174,7 @@ impl Pair {
     }
 
     /// Returns the pair of a model, or the reason why it cannot be swept.
-    pub fn of_entry(plan: &Plan<'_>, entry: &Configuration) -> Result<Self, StudyError> {
+    pub fn of_entry(plan: &Plan, entry: &Configuration) -> Result<Self, StudyError> {
         Pair::in_scene(&plan.conditions.name, &entry.scene)
     }
 

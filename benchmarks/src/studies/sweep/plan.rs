@@ -7,8 +7,8 @@ use gearbench_reports::sweep::Branch;
 
 /// Plan of a sweep of mesh frequencies: models, integrator, frequencies and branches.
 #[derive(Clone, Debug)]
-pub struct Plan<'a> {
-    pub conditions: Conditions<'a>,
+pub struct Plan {
+    pub conditions: Conditions,
     /// Models that are swept.
     pub entries: Vec<Configuration>,
     /// Further models for which only the static cycle is computed.
@@ -27,7 +27,7 @@ pub struct Plan<'a> {
     pub positions: usize,
 }
 
-impl Plan<'_> {
+impl Plan {
     /// Returns the number of runs: frequencies times branches times models.
     pub fn count(&self) -> usize {
         self.frequencies.len() * self.branches.len() * self.entries.len()

@@ -91,11 +91,15 @@ impl Pair {
 }
 
 /// Equilibria over one base pitch under the force of the loads.
-fn static_cycle(plan: &Plan<'_>, entry: &Configuration) -> Result<StaticCycle, StudyError> {
+fn static_cycle(plan: &Plan, entry: &Configuration) -> Result<StaticCycle, StudyError> {
     let fail = |e| StudyError::Statics(entry.label.clone(), e);
     let pair = Pair::of_entry(plan, entry)?;
-    let mut loaded =
-        LoadedPair::new(&entry.scene, &entry.modelling, plan.conditions.models).map_err(fail)?;
+    let mut loaded = LoadedPair::new(
+        &entry.scene,
+        &entry.modelling,
+        &plan.conditions.context.models,
+    )
+    .map_err(fail)?;
     // What a viscous load adds at speed is not there at rest: the limit is that of the slowest speed.
     let slowest = plan.frequencies.iter().copied().reduce(f64::min);
     let force = slowest.map_or_else(|| pair.own_force(), |f| pair.force(f));
@@ -103,7 +107,7 @@ fn static_cycle(plan: &Plan<'_>, entry: &Configuration) -> Result<StaticCycle, S
     let cycle = MeshCycle::solve(&mut loaded, load, plan.positions, |_| {}).map_err(fail)?;
     let tangent = cycle.mesh_tangent() * cycle.face_width;
     let spec = small_signals::settled(&entry.scene);
-    let resonance = (Scene::build(&spec, &entry.modelling, plan.conditions.models).ok())
+    let resonance = (Scene::build(&spec, &entry.modelling, &plan.conditions.context.models).ok())
         .and_then(|mut scene| resonance(&mut scene, &spec, FEW));
     Ok(StaticCycle {
         label: entry.model_label(),
@@ -132,7 +136,7 @@ pub fn check(name: &str, spec: &SceneSpec) -> Result<(), StudyError> {
 ///
 /// # Errors
 /// [`StudyError`] when there is no static contact.
-pub fn mesh_resonance(plan: &Plan<'_>, entry: &Configuration) -> Result<Option<f64>, StudyError> {
+pub fn mesh_resonance(plan: &Plan, entry: &Configuration) -> Result<Option<f64>, StudyError> {
     Ok(static_cycle(plan, entry)?.resonance_hz)
 }
 
@@ -141,7 +145,7 @@ pub fn mesh_resonance(plan: &Plan<'_>, entry: &Configuration) -> Result<Option<f
 /// # Errors
 /// [`StudyError`] when the scene is no loaded pair, a model cannot be built, or the user interrupts. Runs that fail
 /// are rows.
-pub fn sweep(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, StudyError> {
+pub fn sweep(plan: &Plan, runner: &Runner<'_>) -> Result<Results, StudyError> {
     let (mut statics, mut refused) = (Vec::new(), Vec::new());
     let total = plan.count();
     let ends = [0, plan.frequencies.len().saturating_sub(1)].map(|i| plan.frequencies.get(i));
@@ -189,7 +193,7 @@ pub fn sweep(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, StudyError
     runner.report_progress(runs.len(), total, "report");
     runs.extend(refused);
     let entries = plan.entries.iter().chain(&plan.standing);
-    let mesh_modes = mesh_modes(entries, plan.conditions.models, runner)?;
+    let mesh_modes = mesh_modes(entries, &plan.conditions.context.models, runner)?;
     Ok(Results {
         mesh_modes,
         runs,
@@ -198,8 +202,8 @@ pub fn sweep(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, StudyError
 }
 
 /// The runs of a model.
-struct Branches<'a, 'p> {
-    plan: &'a Plan<'p>,
+struct Branches<'a> {
+    plan: &'a Plan,
     runner: &'a Runner<'a>,
     entry: &'a Configuration,
     pair: Pair,
@@ -209,7 +213,7 @@ struct Branches<'a, 'p> {
     total: usize,
 }
 
-impl Branches<'_, '_> {
+impl Branches<'_> {
     /// Runs all speeds of a branch from the end state of the branch before, and returns the end state at the last
     /// speed.
     fn run(
@@ -273,7 +277,7 @@ impl Branches<'_, '_> {
         let key = job.key().and(&(plan.cycles, branch, from, GOVERNED));
         let made = self.runner.row_with(key, self.method, || {
             let build = |spec: &SceneSpec| {
-                let models = plan.conditions.models;
+                let models = &*plan.conditions.context.models;
                 Scene::build(spec, &entry.modelling, models).map_err(RunError::from)
             };
             let mut started = Instant::now();
@@ -351,7 +355,7 @@ fn angles(row: &Run, scene: &SceneSpec) -> [[f64; 2]; 2] {
 
 /// The row of a run with what it settled to in place of its histories.
 fn settled(
-    plan: &Plan<'_>,
+    plan: &Plan,
     entry: &Configuration,
     pair: &Pair,
     (branch, frequency, settle, per_cycle): (Branch, f64, f64, usize),
@@ -360,7 +364,11 @@ fn settled(
     row.contacts = None;
     // Rigid gears hand the contact force on; others have inertia of their own vibration.
     let gears = [0, 1].map(|i| {
-        let vibrates = !properties_of(plan.conditions.models, &entry.modelling.gears[i].id).rigid;
+        let vibrates = !properties_of(
+            &plan.conditions.context.models,
+            &entry.modelling.gears[i].id,
+        )
+        .rigid;
         (entry.scene.gears[i].name.as_str(), vibrates)
     });
     let series = row.series.take().unwrap_or_default();

@@ -1,12 +1,12 @@
 //! Terminal summary of a record of `sweep`.
 
-use crate::cli::terminal::print_line;
+use crate::messages::Messages;
 use gearbench_reports::record::{Results, Status};
 use gearbench_reports::sweep::bistable;
 
 /// Prints one line per model, and the failures.
-pub fn summarise(results: &Results) {
-    print_line(&format!(
+pub fn summarise(messages: &Messages, results: &Results) {
+    messages.print_line(&format!(
         "{:<28} {:>11} {:>9} {:>13} {:>13} {:>8} {:>9}",
         "model", "static TE", "fn", "largest TE", "at", "speeds", "wall"
     ));
@@ -22,7 +22,7 @@ pub fn summarise(results: &Results) {
             .filter_map(|r| r.steady.as_ref())
             .max_by(|a, b| a.error_rms_m.total_cmp(&b.error_rms_m));
         let um = |x: f64| format!("{:.3} um", 1e6 * x);
-        print_line(&format!(
+        messages.print_line(&format!(
             "{label:<28} {:>11} {:>9} {:>13} {:>13} {:>8} {:>9}",
             statics.map_or(String::new(), |s| um(s.error_peak_to_peak_m)),
             statics
@@ -41,7 +41,7 @@ pub fn summarise(results: &Results) {
         let ranges: Vec<String> = (two.ranges.iter())
             .map(|[a, b]| format!("{a:.0} to {b:.0} Hz"))
             .collect();
-        print_line(&format!(
+        messages.print_line(&format!(
             "{} has two steady motions, for increasing and for decreasing speed: {}",
             two.label,
             ranges.join(", ")
@@ -51,7 +51,7 @@ pub fn summarise(results: &Results) {
         .filter(|r| r.status.is_failure())
         .collect();
     if let Some(first) = failed.first() {
-        print_line(&format!(
+        messages.print_line(&format!(
             "{} of {} runs failed; the first: {}: {}",
             failed.len(),
             results.runs.len(),
@@ -63,7 +63,7 @@ pub fn summarise(results: &Results) {
         .filter(|r| r.status == Status::Inaccurate)
         .collect();
     if let Some(first) = unsettled.first() {
-        print_line(&format!(
+        messages.print_line(&format!(
             "{} of {} runs are inaccurate, hence exit code 1; the first: {}, {}",
             unsettled.len(),
             results.runs.len(),

@@ -8,6 +8,7 @@ use crate::cli::command_result::CommandResult;
 use crate::cli::exit::Exit;
 use crate::cli::study_folder::StudyFolder;
 use crate::cli::terminal::{Refusal, references_of, refuse_run};
+use crate::context::Context;
 use crate::experiment::conditions::Conditions;
 use crate::experiment::reference_series::recorded;
 use crate::experiment::settings::settings;
@@ -15,8 +16,8 @@ use crate::scene_file;
 use gearbench_reports::Study;
 
 /// Runs the study and writes its folder.
-pub fn run(args: &Truncation, command: &str) -> Result<CommandResult, Refusal> {
-    let mut scene = scene_file::load(&args.scene)?;
+pub fn run(context: &Context, args: &Truncation, command: &str) -> Result<CommandResult, Refusal> {
+    let mut scene = scene_file::load(context, &args.scene)?;
     let references = references_of(&mut scene, &args.insist)?;
     let (elastic, full) = sides(&scene, args)?;
     let conditions = Conditions {

@@ -79,8 +79,8 @@ const fn variant(
 
 /// Plan of the study of mode counts.
 #[derive(Clone, Debug)]
-pub(super) struct Plan<'a> {
-    pub conditions: Conditions<'a>,
+pub(super) struct Plan {
+    pub conditions: Conditions,
     /// Elastic model; the study varies its modes, `choose` and `residual`.
     pub elastic: Configuration,
     pub method: Scheme,
@@ -121,14 +121,14 @@ impl std::fmt::Display for ModeBound {
     }
 }
 
-impl Plan<'_> {
+impl Plan {
     /// Plans the study of a scene under the given conditions and options of the command line.
     pub fn of<'a>(
         scene: &SceneFile,
         (elastic, full): (&ModelChoice, &ModelChoice),
         args: &Truncation,
-        conditions: Conditions<'a>,
-    ) -> Result<Plan<'a>, Refusal> {
+        conditions: Conditions,
+    ) -> Result<Plan, Refusal> {
         let mut counts: Vec<usize> = args.counts.iter().map(|n| *n as usize).collect();
         if counts.is_empty() {
             counts = COUNTS.to_vec();

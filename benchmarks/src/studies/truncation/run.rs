@@ -15,7 +15,7 @@ const PATIENCE: u32 = 10;
 ///
 /// # Errors
 /// [`RunError`] when a model cannot be built, the full model does not reach the end, or the user interrupts.
-pub fn study(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, RunError> {
+pub fn study(plan: &Plan, runner: &Runner<'_>) -> Result<Results, RunError> {
     let grid = plan.conditions.grid();
     let cases = plan.cases();
     let mut total = 1 + cases.len();

@@ -1,23 +1,23 @@
 //! Terminal summary of a record of `truncation`.
 
 use super::plan::FULL;
-use crate::cli::terminal::print_line;
+use crate::messages::Messages;
 use gearbench_reports::numbers::percent;
 use gearbench_reports::record::Results;
 use gearbench_reports::truncation::{LIMITS, TruncationVariant, counts, variants};
 
 /// Prints the table of errors and the fewest modes.
-pub fn summarise(results: &Results) {
+pub fn summarise(messages: &Messages, results: &Results) {
     let all = variants(results);
-    print_line("force-history error against full finite elements [%]");
+    messages.print_line("force-history error against full finite elements [%]");
     // Labels are sentences: columns go by letters, with a key above.
     let letters: Vec<String> = ('A'..='Z').map(String::from).take(all.len()).collect();
     for (letter, way) in letters.iter().zip(&all) {
-        print_line(&format!("  {letter}: {}", way.label));
+        messages.print_line(&format!("  {letter}: {}", way.label));
     }
     let wide = 10;
     let heads: Vec<String> = letters.iter().map(|l| format!("{l:>wide$}")).collect();
-    print_line(&format!("{:>6}{}", "modes", heads.join("")));
+    messages.print_line(&format!("{:>6}{}", "modes", heads.join("")));
     for n in counts(&all) {
         let cell = |w: &TruncationVariant<'_>| {
             let text = w.with(n).map_or(String::new(), |r| {
@@ -35,7 +35,7 @@ pub fn summarise(results: &Results) {
         if cells.iter().all(|c| c.trim().is_empty()) {
             continue;
         }
-        print_line(&format!("{n:>6}{}", cells.join("")));
+        messages.print_line(&format!("{n:>6}{}", cells.join("")));
     }
     for limit in LIMITS {
         let found: Vec<String> = (all.iter().filter(|w| w.residual))
@@ -45,7 +45,7 @@ pub fn summarise(results: &Results) {
                 format!("{modes} {}", w.label)
             })
             .collect();
-        print_line(&format!(
+        messages.print_line(&format!(
             "least number of modes for {} %: {}",
             100.0 * limit,
             found.join(", ")

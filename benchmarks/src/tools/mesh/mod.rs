@@ -4,7 +4,8 @@ pub mod arguments;
 
 use crate::cli::command_result::CommandResult;
 use crate::cli::files::{ReplaceableFiles, StagedFile};
-use crate::cli::terminal::{Refusal, absolute, print_line};
+use crate::cli::terminal::{Refusal, absolute};
+use crate::context::Context;
 use crate::scene_file;
 use arguments::Mesh as Arguments;
 use gearbench_models::spec::Body;
@@ -51,19 +52,19 @@ impl GearWithMesh {
 }
 
 /// Meshes the gears, prints the mesh quality and writes the requested files.
-pub fn run(args: &Arguments, command: &str) -> Result<CommandResult, Refusal> {
+pub fn run(context: &Context, args: &Arguments, command: &str) -> Result<CommandResult, Refusal> {
     for (option, path, ending) in [("--out", &args.out, "inp"), ("--vtu", &args.vtu, "vtu")] {
         ends_in(option, path.as_deref(), ending)?;
     }
     let gears = if is_deck(&args.input) {
-        from_deck(args)?
+        from_deck(context, args)?
     } else {
-        from_scene(args)?
+        from_scene(context, args)?
     };
-    table(&gears);
+    table(context, &gears);
     let mut files = Files::default();
     let overwriting = ReplaceableFiles {
-        inputs: &inputs_of(&args.input)?,
+        inputs: &inputs_of(context, &args.input)?,
         mark: Some(MARK),
         force: args.force,
     };
@@ -81,13 +82,15 @@ pub fn run(args: &Arguments, command: &str) -> Result<CommandResult, Refusal> {
         }
     }
     if files.0.is_empty() {
-        print_line(
+        context.messages.print_line(
             "no file was written; `--out F.inp` writes a deck, `--vtu F.vtu` a file for ParaView",
         );
     }
     let written: Vec<PathBuf> = files.commit()?.into_iter().map(absolute).collect();
     for path in &written {
-        print_line(&format!("written: {}", path.display()));
+        context
+            .messages
+            .print_line(&format!("written: {}", path.display()));
     }
     let gears: Vec<Value> = gears.iter().map(GearWithMesh::to_json).collect();
     Ok(CommandResult::done()
@@ -112,10 +115,10 @@ fn ends_in(option: &str, path: Option<&Path>, ending: &str) -> Result<(), Refusa
 }
 
 /// Files read for an input: a deck, or a scene with all files that it names.
-pub(super) fn inputs_of(input: &str) -> Result<Vec<PathBuf>, Refusal> {
+pub(super) fn inputs_of(context: &Context, input: &str) -> Result<Vec<PathBuf>, Refusal> {
     Ok(match is_deck(input) {
         true => vec![input.into()],
-        false => scene_file::load_unbuilt(input)?.inputs(),
+        false => scene_file::load_unbuilt(context, input)?.inputs(),
     })
 }
 
@@ -159,7 +162,7 @@ pub(super) fn chosen<T>(
     Ok(found)
 }
 
-fn from_deck(args: &Arguments) -> Result<Vec<GearWithMesh>, Refusal> {
+fn from_deck(context: &Context, args: &Arguments) -> Result<Vec<GearWithMesh>, Refusal> {
     let counts = [
         ("--flank", args.flank.is_some()),
         ("--fillet", args.fillet.is_some()),
@@ -181,7 +184,9 @@ fn from_deck(args: &Arguments) -> Result<Vec<GearWithMesh>, Refusal> {
     let start = Instant::now();
     let refuse = |e: deck::DeckError| Refusal::Input(miette::miette!("{e}"));
     let deck = deck::read_in(&args.input, args.units).map_err(refuse)?;
-    deck.told().iter().for_each(|line| print_line(line));
+    deck.told()
+        .iter()
+        .for_each(|line| context.messages.print_line(line));
     let gears = deck::gears(&deck).map_err(refuse)?;
     let seconds = start.elapsed().as_secs_f64() / gears.len().max(1) as f64;
     let gears = chosen(gears, args.gear.as_deref(), &args.input, |g| g.name.clone())?;
@@ -196,14 +201,14 @@ fn from_deck(args: &Arguments) -> Result<Vec<GearWithMesh>, Refusal> {
         .collect())
 }
 
-fn from_scene(args: &Arguments) -> Result<Vec<GearWithMesh>, Refusal> {
+fn from_scene(context: &Context, args: &Arguments) -> Result<Vec<GearWithMesh>, Refusal> {
     if args.units.is_some() {
         return Err(Refusal::Input(miette::miette!(
             help = "leave it out",
             "--units applies to decks: scenes are in SI units"
         )));
     }
-    let scene = scene_file::load_unbuilt(&args.input)?;
+    let scene = scene_file::load_unbuilt(context, &args.input)?;
     let params = params(args)?;
     let gears = chosen(scene.spec.gears, args.gear.as_deref(), &args.input, |g| {
         g.name.clone()
@@ -286,9 +291,9 @@ fn refuse(name: &str, e: &MeshError) -> Refusal {
     ))
 }
 
-fn table(gears: &[GearWithMesh]) {
+fn table(context: &Context, gears: &[GearWithMesh]) {
     let width = gears.iter().map(|g| g.name.len()).max().unwrap_or(0).max(4);
-    print_line(&format!(
+    context.messages.print_line(&format!(
         "{:<width$}  {:>5}  {:>7}  {:>8}  {:>8}  {:>8}  {:>15}  {:>8}  {:>9}",
         "gear",
         "teeth",
@@ -300,13 +305,13 @@ fn table(gears: &[GearWithMesh]) {
         "greatest",
         "time"
     ));
-    print_line(&format!(
+    context.messages.print_line(&format!(
         "{:<width$}  {:>5}  {:>7}  {:>8}  {:>8}  {:>8}  {:>7} {:>7}  {:>8}  {:>9}",
         "", "", "", "", "", "", "least", "mean", "aspect", "ms"
     ));
     for g in gears {
         let (m, q) = (&g.mesh.mesh, mesh::quality(&g.mesh.mesh));
-        print_line(&format!(
+        context.messages.print_line(&format!(
             "{:<width$}  {:>5}  {:>7}  {:>8}  {:>8}  {:>8}  {:>7.3} {:>7.3}  {:>8.1}  {:>9.1}",
             g.name,
             g.mesh.teeth,
@@ -321,7 +326,7 @@ fn table(gears: &[GearWithMesh]) {
         ));
         if q.min_scaled_jacobian <= 0.0 {
             let i = q.worst_element;
-            print_line(&format!(
+            context.messages.print_line(&format!(
                 "  element {} (counted from 1) has a negative Jacobian and cannot be used by any program",
                 i + 1
             ));

@@ -9,7 +9,8 @@ use crate::cli::command_result::CommandResult;
 use crate::cli::files::ReplaceableFiles;
 use crate::cli::folder_lock::FolderLock;
 use crate::cli::progress::Display;
-use crate::cli::terminal::{Refusal, absolute, print_line};
+use crate::cli::terminal::{Refusal, absolute};
+use crate::context::Context;
 use crate::scene_file;
 use crate::tools::mesh::{chosen, inputs_of, is_deck, named};
 use arguments::Reduce as Arguments;
@@ -26,8 +27,7 @@ use gearbench_reference::recognise::{RecognisedBody, SpecifiedBody};
 use gearbench_reference::reduction::choose::{self, Choice, Criterion};
 use gearbench_reference::reduction::store::{self, Meta, Motion};
 use gearbench_reference::reduction::{
-    Basis, ElasticParameters, ModeSelection, Mounting, ReductionError, Request, Toothing, cache,
-    of_gear,
+    Basis, ElasticParameters, ModeSelection, Mounting, ReductionError, Request, Toothing, of_gear,
 };
 use mounting::mounted;
 use serde_json::json;
@@ -67,36 +67,44 @@ struct ReducedGear {
 }
 
 /// Reduces the gears, prints the summaries and writes the requested files.
-pub fn run(args: &Arguments) -> Result<CommandResult, Refusal> {
+pub fn run(context: &Context, args: &Arguments) -> Result<CommandResult, Refusal> {
     let mut jobs = Vec::new();
     let display = Display::new(0);
     for input in &args.inputs {
         display.message(&format!("reading {input}"));
         match is_deck(input) {
             true => jobs.extend(from_deck(args, input)?),
-            false => jobs.extend(from_scene(args, input)?),
+            false => jobs.extend(from_scene(context, args, input)?),
         }
     }
-    let files = files(args, &jobs)?;
+    let files = files(context, args, &jobs)?;
     let folder = args.out.as_deref().filter(|out| out.is_dir());
-    let _lock = folder.map(FolderLock::take).transpose()?;
+    let _lock = folder
+        .map(|f| FolderLock::take(&context.messages, f))
+        .transpose()?;
     let mut gears = Vec::new();
     for (i, (job, file)) in jobs.iter().zip(&files).enumerate() {
         display.report_progress(i, jobs.len(), &format!("reducing `{}`", job.name));
-        let done = reduce(args, job)?;
-        display.suspend(|| report::print_report(job, &done));
+        let done = reduce(context, args, job)?;
+        display.suspend(|| report::print_report(&context.messages, job, &done));
         let mut gear = report::to_json(job, &done);
         if let Some(path) = file {
             let size = store::write(path, &done.basis, &done.meta)
                 .map_err(|e| Refusal::Files(e.to_string()))?;
-            display.suspend(|| print_line(&report::line("written", &report::file(path, size))));
+            display.suspend(|| {
+                context
+                    .messages
+                    .print_line(&report::line("written", &report::file(path, size)))
+            });
             gear["written"] = json!(absolute(path.clone()));
         }
         gears.push(gear);
     }
     drop(display);
     if args.out.is_none() {
-        print_line("no file was written; `--out F.npz` writes the reduction");
+        context
+            .messages
+            .print_line("no file was written; `--out F.npz` writes the reduction");
     }
     Ok(CommandResult::done().with("gears", gears))
 }
@@ -198,7 +206,7 @@ fn material(args: &Arguments, of: Material) -> Result<Material, Refusal> {
     Ok(material)
 }
 
-fn from_scene(args: &Arguments, input: &str) -> Result<Vec<Job>, Refusal> {
+fn from_scene(context: &Context, args: &Arguments, input: &str) -> Result<Vec<Job>, Refusal> {
     for (option, given, key) in [
         ("--units", args.units.is_some(), "units"),
         ("--axis", args.axis.is_some(), "axis"),
@@ -213,7 +221,7 @@ fn from_scene(args: &Arguments, input: &str) -> Result<Vec<Job>, Refusal> {
             ));
         }
     }
-    let scene = scene_file::load_unbuilt(input)?;
+    let scene = scene_file::load_unbuilt(context, input)?;
     // The configuration whose gears are elastic: it says where meshes come from.
     let mut elastic = scene.models.iter().filter(|m| {
         m.modelling
@@ -301,7 +309,11 @@ fn of_scene(
 }
 
 /// The output path of each gear.
-fn files(args: &Arguments, jobs: &[Job]) -> Result<Vec<Option<PathBuf>>, Refusal> {
+fn files(
+    context: &Context,
+    args: &Arguments,
+    jobs: &[Job],
+) -> Result<Vec<Option<PathBuf>>, Refusal> {
     let Some(out) = &args.out else {
         return Ok(vec![None; jobs.len()]);
     };
@@ -329,7 +341,7 @@ fn files(args: &Arguments, jobs: &[Job]) -> Result<Vec<Option<PathBuf>>, Refusal
     }
     let mut inputs = Vec::new();
     for input in &args.inputs {
-        inputs.extend(inputs_of(input)?);
+        inputs.extend(inputs_of(context, input)?);
     }
     let overwriting = ReplaceableFiles {
         inputs: &inputs,
@@ -344,7 +356,7 @@ fn files(args: &Arguments, jobs: &[Job]) -> Result<Vec<Option<PathBuf>>, Refusal
     Ok(files.into_iter().map(Some).collect())
 }
 
-fn reduce(args: &Arguments, job: &Job) -> Result<ReducedGear, Refusal> {
+fn reduce(context: &Context, args: &Arguments, job: &Job) -> Result<ReducedGear, Refusal> {
     let most = args.modes.map(|n| n as usize);
     let by = match args.choose.as_str() {
         "flank-compliance" => Criterion::FlankCompliance,
@@ -368,7 +380,10 @@ fn reduce(args: &Arguments, job: &Job) -> Result<ReducedGear, Refusal> {
         wanted,
     };
     let start = Instant::now();
-    let found = cache::in_use().basis(&request, &job.source, || request.compute());
+    let found = context
+        .resources
+        .cache
+        .basis(&request, &job.source, || request.compute());
     let found = found.map_err(|e| match e {
         ReductionError::Modes(_) => Refusal::Failed(format!("{}: {e}", job.source)),
         e => Refusal::Input(miette::miette!("{}: {e}", job.source)),

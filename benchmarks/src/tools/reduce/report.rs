@@ -2,7 +2,7 @@
 
 use super::recognised_body::{digits, to_json as body_to_json, to_text};
 use super::{Job, ReducedGear, hub};
-use crate::cli::terminal::print_line;
+use crate::messages::Messages;
 use gearbench_models::gear::elastic::reduced::FlankCompliance;
 use gearbench_reference::mesh;
 use gearbench_reference::recognise::{Involute, ToolCandidate};
@@ -30,44 +30,44 @@ pub(super) fn file(path: &Path, bytes: u64) -> String {
 }
 
 /// Prints the summary of a reduced gear.
-pub(super) fn print_report(job: &Job, done: &ReducedGear) {
+pub(super) fn print_report(messages: &Messages, job: &Job, done: &ReducedGear) {
     let (basis, meta) = (&*done.basis, &done.meta);
     let shown = Toothing::of(basis, meta.motion, meta.teeth);
-    print_line(&format!("{}, from {}", job.name, job.source));
+    messages.print_line(&format!("{}, from {}", job.name, job.source));
     for note in &job.notes {
-        print_line(&line("note", note));
+        messages.print_line(&line("note", note));
     }
-    print_line(&line("mesh", &of_mesh(job)));
-    print_line(&line(
+    messages.print_line(&line("mesh", &of_mesh(job)));
+    messages.print_line(&line(
         "geometry",
         &of_toothing(&shown, meta.motion, meta.teeth),
     ));
     if let Some(fit) = &shown.involute {
-        print_line(&line("involute", &of_involute(fit)));
+        messages.print_line(&line("involute", &of_involute(fit)));
         if let Some(tool) = shown.readings.first() {
-            print_line(&line("tool", &of_tools(tool, &shown.readings[1..])));
+            messages.print_line(&line("tool", &of_tools(tool, &shown.readings[1..])));
         }
     }
     if let Some(found) = &job.found {
-        print_line(&line("found", &to_text(found)));
+        messages.print_line(&line("found", &to_text(found)));
     }
-    print_line(&line("contact", &of_flanks(job, basis, &shown)));
-    print_line(&line("bore", &of_bore(job, meta.motion, basis)));
-    print_line(&line("inertia", &of_inertia(job, meta.motion, basis)));
+    messages.print_line(&line("contact", &of_flanks(job, basis, &shown)));
+    messages.print_line(&line("bore", &of_bore(job, meta.motion, basis)));
+    messages.print_line(&line("inertia", &of_inertia(job, meta.motion, basis)));
     let m = &job.material;
-    print_line(&line(
+    messages.print_line(&line(
         "material",
         &format!(
             "E = {:e} Pa, nu = {}, {} kg/m^3",
             m.young, m.poisson, m.density
         ),
     ));
-    print_line(&line("modes", &of_modes(basis, &meta.asked)));
+    messages.print_line(&line("modes", &of_modes(basis, &meta.asked)));
     if let Some(text) = of_compliance(basis) {
-        print_line(&line("compliance", &text));
+        messages.print_line(&line("compliance", &text));
     }
     let from = if done.hit { ", from the cache" } else { "" };
-    print_line(&line("time", &format!("{:.2} s{from}", done.seconds)));
+    messages.print_line(&line("time", &format!("{:.2} s{from}", done.seconds)));
 }
 
 /// The summary of a reduced gear as JSON.

@@ -6,9 +6,9 @@ mod file;
 use crate::cli::command_result::CommandResult;
 use crate::cli::files::{ReplaceableFiles, folder_of, write_whole};
 use crate::cli::progress::Display;
-use crate::cli::terminal::{Refusal, absolute, print_line, refuse_run};
+use crate::cli::terminal::{Refusal, absolute, refuse_run};
+use crate::context::Context;
 use crate::experiment::conditions::Conditions;
-use crate::experiment::interruption;
 use crate::experiment::run::{Job, RunError, run as integrate};
 use crate::scene_file::references::{ConditionsOfGear, ReferenceConditions};
 use crate::scene_file::{
@@ -31,8 +31,8 @@ const RTOL: f64 = 1e-10;
 const FINER: [f64; 2] = [0.5, 0.1];
 
 /// Runs the model, writes the reference file and prints its lines for the scene.
-pub fn run(args: &Reference, command: &str) -> Result<CommandResult, Refusal> {
-    let scene = scene_file::load_for(&args.scene, Selection::Labels(Some(&args.model)))?;
+pub fn run(context: &Context, args: &Reference, command: &str) -> Result<CommandResult, Refusal> {
+    let scene = scene_file::load_for(context, &args.scene, Selection::Labels(Some(&args.model)))?;
     let choices = scene.select(Some(&args.model))?;
     let [choice] = choices.as_slice() else {
         return Err(bad(
@@ -60,31 +60,27 @@ pub fn run(args: &Reference, command: &str) -> Result<CommandResult, Refusal> {
         force: args.force,
     };
     overwriting.check(&args.out)?;
-    interruption::defer();
+    context.interruption.defer();
     let display = Display::new(2);
-    display.report_progress(
-        0,
-        2,
-        &format!("{} under {}", choice.label, scheme_text(&method)),
-    );
+    display.report_progress(0, 2, &format!("{} under {}", choice.label, method));
     let row = row(args, &other, &choice, &method)?;
     if row.status.is_failure() {
         return Err(Refusal::Failed(format!(
             "{} under {} did not complete the run: {}",
             choice.label,
-            scheme_text(&method),
+            &method.to_string(),
             row.message.as_deref().unwrap_or("no reason given")
         )));
     }
     let finer = finer(&method);
-    display.report_progress(1, 2, &format!("its error, {}", scheme_text(&finer)));
+    display.report_progress(1, 2, &format!("its error, {finer}"));
     let check = self::row(args, &other, &choice, &finer)?;
     drop(display);
     let own = own_error(&row, &check);
     let note = match &own {
         Some(m) => format!(
             "own error, compared with {}: {}",
-            scheme_text(&finer),
+            &finer.to_string(),
             [
                 ("force history", m.force_l2),
                 ("peak force", m.peak_force_rel),
@@ -101,7 +97,7 @@ pub fn run(args: &Reference, command: &str) -> Result<CommandResult, Refusal> {
         ),
         None => format!(
             "own error unknown: the run under {} was not completed",
-            scheme_text(&finer)
+            finer
         ),
     };
     // Legends are narrow: the command beside it has the step.
@@ -121,31 +117,33 @@ pub fn run(args: &Reference, command: &str) -> Result<CommandResult, Refusal> {
         move |e: std::io::Error| Refusal::Files(format!("{path}: {e}"))
     };
     write_whole(&args.out, &text).map_err(fail(&args.out))?;
-    print_line(&format!(
+    context.messages.print_line(&format!(
         "{} under {}: {note}",
         choice.label,
-        scheme_text(&method)
+        &method.to_string()
     ));
-    print_line(&format!(
+    context.messages.print_line(&format!(
         "written: {}",
         absolute(args.out.clone()).display()
     ));
     let answer = CommandResult::done()
         .with("written", absolute(args.out.clone()))
         .with("model", &choice.label)
-        .with("method", scheme_text(&method))
+        .with("method", &method.to_string())
         .with("scene_lines", &lines)
         .with("own_error", own.map(|m| json!({
             "force_l2": m.force_l2, "peak_force_rel": m.peak_force_rel, "impulse_rel": m.impulse_rel,
             "transmission_error_l2": m.transmission_error_l2,
         })));
     if !args.add {
-        print_line("in the scene, or with --add:");
-        print_line(&lines);
+        context.messages.print_line("in the scene, or with --add:");
+        context.messages.print_line(&lines);
         return Ok(answer);
     }
     let path = add(&scene, &lines)?;
-    print_line(&format!("added to {}:\n{lines}", path.display()));
+    context
+        .messages
+        .print_line(&format!("added to {}:\n{lines}", path.display()));
     Ok(answer.with("added_to", absolute(path)))
 }
 
@@ -299,13 +297,6 @@ fn finer(method: &Scheme) -> Scheme {
     })
 }
 
-fn scheme_text(method: &Scheme) -> String {
-    match method.resolution {
-        Resolution::Step(h) => format!("{}@{h:e}s", method.method),
-        Resolution::Tolerance(rtol) => format!("{}@{rtol:e}", method.method),
-    }
-}
-
 fn row(
     args: &Reference,
     scene: &SceneFile,
@@ -324,7 +315,7 @@ fn row(
         ..conditions.job((&spec, &choice.modelling), method, &grid)
     };
     let row = integrate(&job).map_err(refuse_run)?;
-    match interruption::requested() {
+    match scene.context.interruption.is_requested() {
         true => Err(Refusal::Interrupted),
         false => Ok(row),
     }
@@ -372,7 +363,7 @@ fn with_lines(scene: &SceneFile, lines: &str) -> Result<(String, SceneFile), Ref
         Origin::File(path) => path.display().to_string(),
         Origin::Shipped => format!("{}.toml", scene.name),
     };
-    let whole = SceneFile::unbuilt(&name, &text, scene.origin.clone(), false)?;
+    let whole = SceneFile::unbuilt(&scene.context, &name, &text, scene.origin.clone(), false)?;
     Ok((text, whole))
 }
 

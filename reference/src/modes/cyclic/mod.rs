@@ -25,6 +25,7 @@ use super::{ModesError, Options, Report, Target};
 use crate::assembly::tie::HubMotion;
 use crate::limits;
 use crate::mesh::GearMesh;
+use crate::resources::carried;
 use crate::solve::Symbolic;
 use faer::{Mat, c64};
 use gearbench_models::stiffness::Material;
@@ -204,7 +205,9 @@ impl Sector {
                 };
                 let numbered = states.par_iter_mut().enumerate();
                 let given_up: Vec<_> = numbered
-                    .map(|(n, state)| state.give_up_above(self, n as u32, bound, options.verify))
+                    .map(carried(|(n, state): (usize, &mut Harmonic)| {
+                        state.give_up_above(self, n as u32, bound, options.verify)
+                    }))
                     .collect();
                 given_up.into_iter().collect::<Result<(), _>>()?;
             }
@@ -216,7 +219,9 @@ impl Sector {
         };
         let further = states.par_iter_mut();
         let further: Vec<_> = further
-            .map(|state| state.find(Target::Above(bound), keep))
+            .map(carried(|state: &mut Harmonic| {
+                state.find(Target::Above(bound), keep)
+            }))
             .collect();
         further.into_iter().collect::<Result<(), _>>()?;
         let bound = match target {
@@ -262,7 +267,7 @@ impl Sector {
         harmonics: Range<usize>,
         job: impl Fn(usize) -> Result<S, ModesError> + Send + Sync,
     ) -> Result<Vec<S>, ModesError> {
-        let done: Vec<_> = harmonics.into_par_iter().map(job).collect();
+        let done: Vec<_> = harmonics.into_par_iter().map(carried(job)).collect();
         done.into_iter().collect()
     }
 }

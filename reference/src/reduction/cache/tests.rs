@@ -99,7 +99,7 @@ fn a_cache_that_cannot_be_written_is_no_error() {
         ..small()
     };
     let (basis, _) = example(3, 5, true);
-    for cache in [Cache::at(&file, LIMIT), Cache::off()] {
+    for cache in [Cache::at(&file, LIMIT), Cache::default()] {
         for _ in 0..2 {
             let Ok(found) = cache.basis(&request(&mesh), "a test", || {
                 Ok::<_, Infallible>(basis.clone())

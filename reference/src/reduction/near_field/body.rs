@@ -26,6 +26,7 @@ use crate::assembly::tie::{MassKind, Tie};
 use crate::mesh::{self, Face, GearMesh, Mesh};
 use crate::recognise::Facet;
 use crate::recognise::tied::shape;
+use crate::resources::carried;
 use crate::solve::{Cholesky, SolveError};
 use faer::{Mat, Par};
 use flamant::Flamant;
@@ -73,10 +74,11 @@ pub fn of_flanks(
         return Ok(None);
     }
     let skin = Ends::of(gear);
-    let all = grids.par_iter().map(|grid| {
+    let of_grid = |grid: &FlankGrid| {
         let rows = Rows::new(gear, surface, grid);
         Part::cut(&gear.mesh, &skin, &rows).near_field(material, &rows)
-    });
+    };
+    let all = grids.par_iter().map(carried(of_grid));
     match all.collect::<Result<Vec<_>, _>>() {
         Ok(all) => Ok(Some(all)),
         Err(ReductionError::Solve(SolveError::NotPositiveDefinite { .. })) => Ok(None),

@@ -24,8 +24,9 @@ pub use error::{StoreError, StoreErrorKind};
 
 use super::{Basis, ModeSelection, Request};
 use crate::assembly::tie::HubMotion;
+use crate::files;
 use crate::hash::Hash;
-use crate::{files, limits};
+use crate::resources::Resources;
 use archive::Reader;
 use error::unusable_file;
 use gearbench_models::stiffness::Material;
@@ -154,7 +155,7 @@ pub fn read(path: &Path) -> Result<Stored, StoreError> {
         let help = "`gearbench reduce DECK --out F.npz` makes one";
         unusable_file(&name, "a readable reduction (.npz)", found, help)
     };
-    let most = (MAX_FILE_BYTES as f64).min(limits::memory()) as u64;
+    let most = (MAX_FILE_BYTES as f64).min(Resources::own().memory.limit()) as u64;
     let bytes = files::read(path, most).map_err(|e| fail(e.to_string()))?;
     read_bytes(&name, &bytes)
 }

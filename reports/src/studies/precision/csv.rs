@@ -5,7 +5,7 @@ use crate::columns::Columns;
 use crate::csv_table::CsvTable;
 use crate::metrics::Metric;
 use crate::record::{Metrics, Results, Run, SELF};
-use crate::studies::runs::work;
+use crate::studies::runs::{identity, work};
 
 /// A run with its metrics against a reference, and whether it is on the front.
 type Row<'a> = (&'a Run, &'a Metrics, bool);
@@ -41,13 +41,7 @@ pub fn tables(results: &Results) -> Vec<CsvTable> {
 #[rustfmt::skip]
 pub fn columns<'a>() -> Columns<'a, Row<'a>> {
     let columns = Columns::<Row<'_>>::of("precision.csv", "`precision`: one row per run and reference.")
-        .model(|(r, ..)| r.model_label())
-        .modes(|(r, ..)| r.modes)
-        .integrator(|(r, ..)| r.integrator.clone())
-        .step(|(r, ..)| r.step)
-        .rtol(|(r, ..)| r.rtol)
-        .status(|(r, ..)| r.status)
-        .add("fitted_to", "reference to which the model's constants were fitted", |(r, ..)| r.fitted_to.clone())
+        .join(identity().only(&["model", "modes", "integrator", "step_s", "rtol", "status", "fitted_to"]), |(r, ..)| Some(*r))
         .against(|(_, m, _)| m.against.clone())
         .add("on_front", "no run of the record is both cheaper and more accurate", |(.., on_front)| *on_front);
     let errors = Metric::ALL.into_iter().filter(|m| m.is_error());

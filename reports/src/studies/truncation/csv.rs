@@ -4,6 +4,7 @@ use crate::columns::Columns;
 use crate::csv_table::CsvTable;
 use crate::metrics::Metric;
 use crate::record::{Metrics, Results, Run};
+use crate::studies::runs::{identity, work};
 
 type Row<'a> = (&'a Run, &'a Metrics);
 
@@ -19,17 +20,9 @@ pub fn columns<'a>() -> Columns<'a, Row<'a>> {
     let columns = Columns::<Row<'_>>::of("truncation.csv", "`truncation`: one row per run and reference.")
         .add("model", "model", |(r, _)| r.model.clone())
         .add("variant", "distinguishing settings", |(r, _)| r.variant.clone())
-        .modes(|(r, _)| r.modes)
-        .add("highest_hz", "highest frequency among the modes", |(r, _)| r.highest_hz)
-        .add("residual", "whether the truncated modes are represented by residual compliance", |(r, _)| r.residual)
-        .add("choose", "choice of the modes", |(r, _)| r.choose.clone())
-        .integrator(|(r, _)| r.integrator.clone())
-        .step(|(r, _)| r.step)
-        .status(|(r, _)| r.status)
+        .join(identity().only(&["modes", "highest_hz", "residual", "choose", "integrator", "step_s", "status"]), |(r, _)| Some(*r))
         .against(|(_, m)| m.against.clone());
     (errors.into_iter())
         .fold(columns, |all, e| all.add(e.key(), e.meaning(), move |(_, m)| m.get(e)))
-        .add("wall_s", "wall time, median of the repeats", |(r, _)| r.wall_s)
-        .add("steps", "accepted steps", |(r, _)| r.steps)
-        .add("setup_s", "wall time before the first step", |(r, _)| r.setup_s)
+        .join(work().only(&["wall_s", "steps", "setup_s"]), |(r, _)| Some(*r))
 }

@@ -8,6 +8,7 @@
 
 use super::{across, carrier_of};
 use crate::shafts::{body, frequencies, shaft};
+use gearbench::context::Context;
 use gearbench_models::geometry::{Gear, GearParams, Internal};
 use gearbench_models::spec::{
     Body, ContactSpec, GearSpec, Load, Mount, Profile, SceneSpec, StationMember, effective_radius,
@@ -314,7 +315,7 @@ fn a_ring_and_its_pinion_swing_against_each_other() {
             60.0 + more,
             20.0 * 24.0 / 84.0,
         );
-        let file = SceneFile::unbuilt("ring", &text, Origin::Shipped, false)
+        let file = SceneFile::unbuilt(&Context::default(), "ring", &text, Origin::Shipped, false)
             .unwrap_or_else(|e| panic!("{e:?}"));
         let choice = file.model("rigid").unwrap();
         let spec = file.spec_for(choice);

@@ -5,6 +5,7 @@
 //! it, with the ring by `z_r psi_n / 2 pi`, both but for whole pitches. The sets are those of Shweiki et al. (ISMA 2016, paper 785):
 //! 21/39/99 teeth with planets at whole numbers of 120ths of a turn.
 
+use gearbench::context::Context;
 use gearbench::experiment::small_signals::loaded;
 use gearbench::scene_file::{Origin, SceneFile};
 use gearbench_models::scene::{ContactForce, Scene};
@@ -68,7 +69,7 @@ fn set([sun, planet, ring]: [u32; 3], directions: &[f64], torque: f64) -> Scene 
         text,
         "[[models]]\nmodel = \"rigid\"\ncontact = {{ stiffness = {{ kind = \"constant\", stiffness_n_per_m2 = {STIFFNESS:?} }} }}\n"
     );
-    let file = SceneFile::unbuilt("set", &text, Origin::Shipped, false)
+    let file = SceneFile::unbuilt(&Context::default(), "set", &text, Origin::Shipped, false)
         .unwrap_or_else(|e| panic!("{e:?}"));
     let choice = file.model("rigid").unwrap();
     let spec = file.spec_for(choice);

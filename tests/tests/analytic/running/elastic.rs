@@ -2,12 +2,18 @@
 //! `cargo test --release -p gearbench-tests --test analytic -- running::elastic --include-ignored --nocapture`.
 
 use super::*;
+use gearbench::context::Context;
 use gearbench::scene_file::{self, Selection};
 use gearbench_integrators::Report;
 
 /// Returns the scene and its elastic gears, undamped except for their modes.
 fn loaded_mesh(modal: f64) -> (SceneSpec, Modelling) {
-    let file = scene_file::load_for("loaded_mesh", Selection::Labels(Some("elastic"))).unwrap();
+    let file = scene_file::load_for(
+        &Context::default(),
+        "loaded_mesh",
+        Selection::Labels(Some("elastic")),
+    )
+    .unwrap();
     let mut modelling = file.model("elastic").unwrap().modelling.clone();
     for gear in &mut modelling.gears {
         gear.parameters

@@ -1,6 +1,7 @@
 //! Elastic gears in contact on half-spaces: statics that do not depend on the mesh, running under load.
 
 use super::*;
+use gearbench::context::Context;
 use gearbench::scene_file::{Origin, SceneFile};
 use gearbench_models::spec::{LocalContact, Mount, PointContact};
 
@@ -253,7 +254,14 @@ start = { flank = "left", gap_m = 0.0, path_coordinate_m = 8.954e-3 }
             "{GEARS}\n[[models]]\nmodel = \"elastic\"\nparameters = {{ modes = 0, flank_elements = 6, \
              width_elements = 1, rim_elements = 2 }}\ncontact = {{ {contact} }}\n"
         );
-        let file = SceneFile::unbuilt("rack.toml", &text, Origin::Shipped, false).unwrap();
+        let file = SceneFile::unbuilt(
+            &Context::default(),
+            "rack.toml",
+            &text,
+            Origin::Shipped,
+            false,
+        )
+        .unwrap();
         let mut scene = built(&file.spec, &file.models[0].modelling);
         let mut state = scene.initial();
         state.q[0] += 3e-4;

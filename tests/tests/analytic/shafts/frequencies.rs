@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::small_signals::vibrations_of;
+use gearbench::context::Context;
 use gearbench_models::geometry::Side;
 use gearbench_models::spec::GearSpec;
 use gearbench_reports::modes::LinearisedState;
@@ -180,7 +181,7 @@ fn a_free_bar_twists_at_its_frequencies() {
 /// The shipped scene is compared with Holzer's frequencies of the same train with a rigid mesh.
 #[test]
 fn shipped_driveline() {
-    let file = gearbench::scene_file::load("driveline").unwrap();
+    let file = gearbench::scene_file::load(&Context::default(), "driveline").unwrap();
     let mut spec = file.spec.clone();
     spec.meshes[0].start.gap = -1e-7;
     let mut scene = Scene::build(&spec, &file.models[0].modelling, &models()).unwrap();

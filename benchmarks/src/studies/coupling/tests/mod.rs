@@ -9,6 +9,7 @@ use super::frames::{Frame, PrescribedScene, frames};
 use super::plan::ALLOWED;
 use super::step_polynomial::StepPolynomial;
 use super::{stiffness, theory};
+use crate::context::Context;
 use crate::experiment::configuration::Configuration;
 use crate::experiment::history::History;
 use crate::models::models;
@@ -50,7 +51,14 @@ start = {{ flank = "left", gap_m = 0.0 }}
 {model}
 "#
     );
-    SceneFile::unbuilt("own.toml", &text, Origin::Shipped, false).expect("a scene")
+    SceneFile::unbuilt(
+        &Context::default(),
+        "own.toml",
+        &text,
+        Origin::Shipped,
+        false,
+    )
+    .expect("a scene")
 }
 
 fn rigid(damping: f64) -> SceneFile {
@@ -87,6 +95,7 @@ fn built(file: &SceneFile) -> BuiltModel {
 impl BuiltModel {
     fn coupled(&mut self, method: &Scheme, manner: CouplingScheme, t_end: f64) -> CoupledRun {
         let bounds = Bounds {
+            cancel: &std::sync::atomic::AtomicBool::new(false),
             t_end,
             events: true,
             max_steps: u64::MAX,
@@ -222,7 +231,14 @@ fn the_coupling_fails_where_theory_says() {
 #[test]
 fn without_contact_a_coupling_has_no_error() {
     let apart = rigid(0.0).text().replace("gap_m = 0.0", "gap_m = 3e-5");
-    let file = SceneFile::unbuilt("own.toml", &apart, Origin::Shipped, false).expect("a scene");
+    let file = SceneFile::unbuilt(
+        &Context::default(),
+        "own.toml",
+        &apart,
+        Origin::Shipped,
+        false,
+    )
+    .expect("a scene");
     let mut pair = built(&file);
     let method = RK4.at_step(1e-6);
     let exact = pair.whole(&method, 5e-5);

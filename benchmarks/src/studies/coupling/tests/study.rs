@@ -1,6 +1,7 @@
 //! Tests of the study of coupling: labels, refined limits, truncated models, default steps, refusals.
 
 use super::{BuiltModel, built, rigid};
+use crate::context::Context;
 use crate::experiment::conditions::Conditions;
 use crate::experiment::configuration::Configuration;
 use crate::experiment::runner::Runner;
@@ -18,7 +19,7 @@ use gearbench_reports::coupling::{Extrapolation, Motion};
 use gearbench_reports::record::Status;
 
 /// A plan of one model.
-fn plan(file: &SceneFile, method: Scheme, steps: Vec<f64>) -> Plan<'static> {
+fn plan(file: &SceneFile, method: Scheme, steps: Vec<f64>) -> Plan {
     let BuiltModel { entry, frames, .. } = built(file);
     let oscillator = stiffness::oscillator(&entry.scene, &entry.modelling, models(), &frames);
     Plan {
@@ -104,7 +105,14 @@ fn scenes_that_a_host_cannot_have_are_refused() {
         .text()
         .replace("teeth = 20", "teeth = 20\nmount = \"fixed\"");
     let held = held.replace("teeth = 30", "teeth = 30\nmount = \"fixed\"");
-    let file = SceneFile::unbuilt("own.toml", &held, Origin::Shipped, false).expect("a scene");
+    let file = SceneFile::unbuilt(
+        &Context::default(),
+        "own.toml",
+        &held,
+        Origin::Shipped,
+        false,
+    )
+    .expect("a scene");
     let entry = Configuration::of(&file, &file.models[0]);
     let mut scene = Scene::build(&entry.scene, &entry.modelling, models()).expect("a model");
     assert_eq!(

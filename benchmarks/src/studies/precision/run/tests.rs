@@ -1,6 +1,7 @@
 //! Tests of the study of accuracy against cost on small scenes.
 
 use super::*;
+use crate::context::Context;
 use crate::experiment::journal::{JOURNAL, Journal, Subject};
 use crate::experiment::runner::Runner;
 use crate::scene_file::{Selection, load_for};
@@ -10,13 +11,8 @@ use gearbench_reports::Metric;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// The study of some models of a scene, with its stored reference or without.
-fn plan(
-    scene: &str,
-    labels: &str,
-    stored: bool,
-    asked: &PrecisionOptions,
-) -> Result<Plan<'static>, String> {
-    let scene = load_for(scene, Selection::None).unwrap();
+fn plan(scene: &str, labels: &str, stored: bool, asked: &PrecisionOptions) -> Result<Plan, String> {
+    let scene = load_for(&Context::default(), scene, Selection::None).unwrap();
     let choices = scene.select(Some(labels)).unwrap();
     let references = match stored {
         true => scene.clone().load_own_references(true).unwrap(),
@@ -35,13 +31,13 @@ fn small(asked: &PrecisionOptions) -> Results {
     };
     let folder = tempfile::tempdir().unwrap();
     let journal = Journal::open(&folder.path().join(JOURNAL), &Subject::default(), true).unwrap();
-    let results = study(&plan, &Runner::new(journal, &progress)).unwrap();
+    let results = study(&plan, &Runner::new(Context::default(), journal, &progress)).unwrap();
     assert_eq!(last.into_inner(), total);
     results
 }
 
 /// Returns the ids of the references that a model is compared with.
-fn against(plan: &Plan<'_>, label: &str) -> String {
+fn against(plan: &Plan, label: &str) -> String {
     let mut of = plan.variants.iter().filter(|v| v.entry.label == label);
     of.next().unwrap().against.join(" ")
 }
@@ -179,7 +175,7 @@ fn references_go_with_their_contact() {
 
 #[test]
 fn without_finite_elements_the_densest_elastic_model_is_the_reference() {
-    let scene = load_for("hammer", Selection::None).unwrap();
+    let scene = load_for(&Context::default(), "hammer", Selection::None).unwrap();
     let choices = scene.select(None).unwrap();
     let plan_of =
         |choices: &[_]| Plan::of(&scene, choices, &[], &PrecisionOptions::default()).unwrap();

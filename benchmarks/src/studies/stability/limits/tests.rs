@@ -1,4 +1,5 @@
 use super::*;
+use crate::context::Context;
 use crate::experiment::configuration::Configuration;
 use crate::models::models;
 use crate::scene_file::{Selection, load_for};
@@ -7,7 +8,8 @@ use gearbench_integrators::table::{RK4, VELOCITY_VERLET};
 mod dashpots;
 
 fn entry(scene: &str, label: &str) -> Configuration {
-    let scene = load_for(scene, Selection::Labels(Some(label))).unwrap_or_else(|e| panic!("{e:?}"));
+    let scene = load_for(&Context::default(), scene, Selection::Labels(Some(label)))
+        .unwrap_or_else(|e| panic!("{e:?}"));
     let choice = scene
         .select(Some(label))
         .unwrap_or_else(|e| panic!("{e:?}"))[0];

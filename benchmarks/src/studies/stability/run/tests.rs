@@ -1,6 +1,7 @@
 //! Tests of the study of stability on rigid gears: labels, threads, limits.
 
 use super::study;
+use crate::context::Context;
 use crate::experiment::conditions::Conditions;
 use crate::experiment::conditions::silent;
 use crate::experiment::configuration::Configuration;
@@ -24,8 +25,13 @@ use gearbench_reports::stability::Columns;
 
 /// Returns a plan for rigid gears in an impact under some methods, with steps from ones that exceed the bound on their
 /// number to unstable ones.
-fn plan(methods: &[MethodSpec]) -> Plan<'static> {
-    let scene = load_for("spur_impact", Selection::Labels(Some("rigid"))).unwrap();
+fn plan(methods: &[MethodSpec]) -> Plan {
+    let scene = load_for(
+        &Context::default(),
+        "spur_impact",
+        Selection::Labels(Some("rigid")),
+    )
+    .unwrap();
     let choice = scene.model("rigid").unwrap();
     let entry = Configuration::of(&scene, choice);
     let map = |method: MethodSpec| {
@@ -62,7 +68,7 @@ fn plan(methods: &[MethodSpec]) -> Plan<'static> {
     }
 }
 
-fn run(plan: &Plan<'_>, threads: usize) -> Results {
+fn run(plan: &Plan, threads: usize) -> Results {
     let (results, timings) = study(plan, &Runner::default(), threads).unwrap();
     let runs: usize = (results.maps().iter())
         .map(|m| m.cells.len() + m.refined.len())
@@ -140,10 +146,10 @@ fn the_limit_goes_with_the_root_of_the_stiffness() {
 fn a_study_that_was_cut_off_goes_on() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join(JOURNAL);
-    let go = |plan: &Plan<'_>| {
+    let go = |plan: &Plan| {
         let journal = Journal::open(&path, &Subject::default(), false).unwrap();
         let before = journal.len();
-        let made = study(plan, &Runner::new(journal, &silent), 2).unwrap();
+        let made = study(plan, &Runner::new(Context::default(), journal, &silent), 2).unwrap();
         (
             made,
             before,
@@ -182,7 +188,7 @@ fn a_study_that_was_cut_off_goes_on() {
 /// number runs with that.
 #[test]
 fn modes_of_a_stored_reduction_are_its_own() {
-    let scene = load_for("spur_impact", Selection::None).unwrap();
+    let scene = load_for(&Context::default(), "spur_impact", Selection::None).unwrap();
     let Body::Gear(gear) = &scene.spec.gears[0].body else {
         panic!("the pinion is a gear");
     };

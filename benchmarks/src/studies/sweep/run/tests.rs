@@ -11,7 +11,7 @@ use std::f64::consts::TAU;
 mod backlash;
 mod continuation;
 
-fn plan(scene: &SceneFile, frequencies: Vec<f64>, cycles: usize, settle: f64) -> Plan<'static> {
+fn plan(scene: &SceneFile, frequencies: Vec<f64>, cycles: usize, settle: f64) -> Plan {
     Plan {
         conditions: Conditions {
             events: true,

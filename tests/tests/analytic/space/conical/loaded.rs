@@ -1,5 +1,6 @@
 //! The shipped pair under load, original and with tip relief: the transmission error falls, at rest and running.
 
+use gearbench::context::Context;
 use gearbench::scene_file::{self, SceneFile};
 use gearbench_integrators::{
     AcceptedStep, Control, Outputs, Resolution, SecondOrderSystem, Sink, TimePlan,
@@ -12,7 +13,7 @@ use gearbench_tests::watched;
 const TORQUE: f64 = 1500.0;
 
 fn load(name: &str) -> SceneFile {
-    scene_file::load(name).unwrap_or_else(|e| panic!("{e:?}"))
+    scene_file::load(&Context::default(), name).unwrap_or_else(|e| panic!("{e:?}"))
 }
 
 /// Returns the static transmission error at a number of positions, peak to peak [m].

@@ -7,6 +7,7 @@
 mod oscillator;
 
 use super::*;
+use crate::context::Context;
 use crate::scene_file::load;
 use gearbench_integrators::State;
 use gearbench_integrators::table::RK4;
@@ -39,7 +40,7 @@ const K: f64 = 1e8;
 
 impl Gears {
     fn new(case: Case) -> Self {
-        let scene = load(case.scene).unwrap_or_else(|e| panic!("{e:?}"));
+        let scene = load(&Context::default(), case.scene).unwrap_or_else(|e| panic!("{e:?}"));
         let [a, b] = [&scene.spec.gears[0], &scene.spec.gears[1]];
         let l = mesh_layout(a, b).unwrap();
         let rb = base_radius(&b.body);

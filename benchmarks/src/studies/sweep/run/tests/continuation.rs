@@ -3,6 +3,7 @@
 //! and of tip edges, integrated by RK4 at fixed small steps, speeds upwards and downwards from state to state.
 
 use super::*;
+use crate::context::Context;
 use gearbench_models::spec::Body;
 use std::f64::consts::TAU;
 
@@ -202,7 +203,14 @@ impl IndependentPair {
 
 #[test]
 fn loaded_gears_follow_both_branches_of_the_backlash_resonance() {
-    let scene = SceneFile::parse("backlash.toml", SCENE, Origin::Shipped, false).unwrap();
+    let scene = SceneFile::parse(
+        &Context::default(),
+        "backlash.toml",
+        SCENE,
+        Origin::Shipped,
+        false,
+    )
+    .unwrap();
     // At 3.35 kHz the way down all but touches the other flanks, and may begin to hammer on both or not.
     let mut frequencies = vec![3100.0, 3200.0, 3250.0, 3400.0];
     frequencies.extend((0..=10).map(|i| 3500.0 + 150.0 * f64::from(i)));
@@ -232,7 +240,14 @@ fn loaded_gears_follow_both_branches_of_the_backlash_resonance() {
 /// measure of their speed.
 #[test]
 fn free_gears_that_turn_slowly_keep_their_speed() {
-    let scene = SceneFile::parse("backlash.toml", SCENE, Origin::Shipped, false).unwrap();
+    let scene = SceneFile::parse(
+        &Context::default(),
+        "backlash.toml",
+        SCENE,
+        Origin::Shipped,
+        false,
+    )
+    .unwrap();
     let plan = Plan {
         branches: vec![Branch::Up],
         ..super::plan(&scene, vec![25.0], 1, 0.0)

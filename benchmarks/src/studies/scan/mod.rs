@@ -1,0 +1,16 @@
+//! Many scenes that differ in some keys: grids, samples of distributions, sensitivity indices, and parts that several
+//! machines compute.
+
+pub(crate) mod arguments;
+mod axis;
+pub(crate) mod command;
+mod design;
+pub(crate) mod merge;
+mod output;
+mod plan;
+mod results;
+mod run;
+mod scene_change;
+mod statistics;
+mod summary;
+mod table;
