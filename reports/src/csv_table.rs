@@ -14,14 +14,19 @@ pub struct CsvTable {
 }
 
 /// Endings of column names, each with its unit.
-const UNITS: [(&str, &str); 10] = [
+const UNITS: [(&str, &str); 15] = [
     ("_rad_s", "rad/s"),
     ("_n_per_m", "N/m"),
+    ("_n_per_m2", "N/m per m"),
+    ("_pa_per_m", "Pa/m"),
     ("_rad", "rad"),
     ("_m_s", "m/s"),
     ("_nm", "N m"),
+    ("_ns", "N s"),
     ("_hz", "Hz"),
     ("_pa", "Pa"),
+    ("_j", "J"),
+    ("_w", "W"),
     ("_n", "N"),
     ("_m", "m"),
     ("_s", "s"),
@@ -34,22 +39,18 @@ pub fn named_unit(column: &str) -> (&str, &'static str) {
     found.unwrap_or((column, ""))
 }
 
-/// A column of rows of a kind: its name, and its cell in a row.
-pub type CsvColumn<'c, R> = (&'c str, &'c dyn Fn(&R) -> String);
-
 impl CsvTable {
-    /// Makes a table from rows of data and columns with the text of their cells.
-    pub fn new<R>(
-        file: &str,
-        rows: impl IntoIterator<Item = R>,
-        columns: &[CsvColumn<'_, R>],
-    ) -> Self {
-        let cells = |row: R| columns.iter().map(|(_, cell)| cell(&row)).collect();
-        Self {
-            file: file.into(),
-            header: columns.iter().map(|(name, _)| (*name).into()).collect(),
-            rows: rows.into_iter().map(cells).collect(),
+    /// Removes the columns in which no row has a value.
+    #[must_use]
+    pub(crate) fn without_empty_columns(mut self) -> Self {
+        let kept: Vec<bool> = (0..self.header.len())
+            .map(|i| self.rows.iter().any(|row| !row[i].is_empty()))
+            .collect();
+        for cells in self.rows.iter_mut().chain([&mut self.header]) {
+            let mut kept = kept.iter();
+            cells.retain(|_| kept.next() == Some(&true));
         }
+        self
     }
 
     /// Returns the text of the file.
@@ -75,9 +76,4 @@ pub fn number(x: impl Into<Option<f64>>) -> String {
 /// Formats a number with all its digits.
 pub fn exact(x: f64) -> String {
     format!("{x:e}")
-}
-
-/// Returns the text of a value, or an empty text for `None`.
-pub fn text<T: ToString>(x: &Option<T>) -> String {
-    x.as_ref().map_or(String::new(), T::to_string)
 }

@@ -1,29 +1,59 @@
-//! The format of a study's files for other programs: JSON Schema of `results.json` and dictionary of the CSV columns.
+//! The format of a study's files for other programs: JSON Schema of `results.json` and dictionary of the CSV
+//! columns.
 //!
-//! The schema is derived from the types of the record and their doc comments (crate `schemars`, in tests alone).
+//! The schema is derived from the types of the record and their doc comments (crate `schemars`, in tests alone), the
+//! dictionary from the declarations of columns ([`crate::columns`]).
+
+pub use crate::columns::FileDescription;
+use crate::csv_table::named_unit;
+use crate::studies::runs::RUNS;
+use crate::{histories, studies};
 
 /// JSON Schema (draft 2020-12) of `results.json` as this version writes it: `docs/results.schema.json`.
 pub const RECORD_SCHEMA: &str = include_str!("../../docs/results.schema.json");
 
-/// Columns of all CSV files with units and meaning: `docs/data.md`.
+/// The document on data of a study, with the columns of all CSV files: `docs/data.md`.
 pub const DATA_DICTIONARY: &str = include_str!("../../docs/data.md");
 
-/// True if the dictionary has the column by its name, or by a name with a placeholder in capitals such as
-/// `speed_GEAR_rad_s`.
-pub fn is_described(column: &str) -> bool {
-    let names = DATA_DICTIONARY
-        .lines()
-        .filter_map(|line| line.strip_prefix("| `")?.split('`').next());
-    names.into_iter().any(|name| fits(name, column))
+/// Returns the descriptions of all CSV files of studies. In the names of files and columns, words in capitals are
+/// placeholders.
+pub fn files() -> Vec<FileDescription> {
+    let mut all = histories::files();
+    all.extend(studies::files());
+    all
 }
 
-/// True if `column` matches a name of the dictionary, in which a word in capitals matches any text.
-fn fits(name: &str, column: &str) -> bool {
+/// True if the dictionary has the column in the table of the file. `runs.csv` of a study without runs, and the histories
+/// of an identification, have the columns of other tables.
+pub fn is_described(file: &str, column: &str) -> bool {
+    let of_others = [RUNS, "identify_histories.csv"].contains(&file);
+    files().iter().any(|f| {
+        (of_others || fits(&f.file, file)) && f.columns.iter().any(|(key, _)| fits(key, column))
+    })
+}
+
+impl FileDescription {
+    /// Returns the table of columns in Markdown.
+    pub fn to_markdown(&self) -> String {
+        let mut text = String::from("| column | unit | meaning |\n|---|---|---|\n");
+        for (key, meaning) in &self.columns {
+            let unit = match named_unit(key).1 {
+                "" => "-",
+                unit => unit,
+            };
+            text.push_str(&format!("| `{key}` | {unit} | {meaning} |\n"));
+        }
+        text
+    }
+}
+
+/// True if a text matches a name in which a word in capitals stands for any text.
+fn fits(name: &str, text: &str) -> bool {
     let Some(begin) = name.find(|c: char| c.is_ascii_uppercase()) else {
-        return name == column;
+        return name == text;
     };
     let rest = name[begin..].trim_start_matches(|c: char| c.is_ascii_uppercase());
-    let Some(after) = column.strip_prefix(&name[..begin]) else {
+    let Some(after) = text.strip_prefix(&name[..begin]) else {
         return false;
     };
     (1..=after.len())
@@ -45,7 +75,56 @@ mod tests {
         assert!(fits("speed_GEAR_rad_s", "speed_sun wheel_rad_s"));
         assert!(!fits("speed_GEAR_rad_s", "speed__m_s") && !fits("speed_GEAR_rad_s", "speed_"));
         assert!(fits("bearing_GEAR_N_n", "bearing_a_3_n") && fits("time_s", "time_s"));
-        assert!(is_described("time_s") && !is_described("time_h"));
+        let has = |column: &str| is_described("run01-rigid-rk4.csv", column);
+        assert!(has("time_s") && !has("time_h") && !has("set"));
+    }
+
+    /// The tables of `docs/data.md` are those of the declarations; `GEARBENCH_UPDATE_GOLDEN=1` writes them.
+    #[test]
+    fn the_tables_of_columns_are_those_of_the_declarations() {
+        let text = with_tables(DATA_DICTIONARY);
+        stored("data.md", DATA_DICTIONARY, &text);
+    }
+
+    /// Returns the document with the tables of columns: that of a file whose name is in the heading of a section takes the
+    /// place of the table of the section. Those of the other files, each under a heading of its own, are the end.
+    fn with_tables(document: &str) -> String {
+        let mut files = files();
+        let prose = document.split("\n### ").next().unwrap_or(document);
+        let mut text = String::new();
+        let mut table = None;
+        for line in prose.lines() {
+            if line.starts_with('#') {
+                let named = |f: &FileDescription| line.contains(&format!("`{}`", f.file));
+                let place = files.iter().position(named);
+                table = place.map(|i| files.remove(i).to_markdown());
+            }
+            match (&mut table, line.starts_with('|')) {
+                // The first line of the old table becomes the whole new one.
+                (Some(table), true) => text.push_str(&std::mem::take(table)),
+                _ => text.push_str(&format!("{line}\n")),
+            }
+        }
+        for f in files {
+            let (name, rows, table) = (&f.file, &f.rows, f.to_markdown());
+            text.push_str(&format!("\n### `{name}`\n\n{rows}\n\n{table}"));
+        }
+        text
+    }
+
+    /// Asserts that a stored document is the text that the code makes, or writes it.
+    fn stored(name: &str, document: &str, text: &str) {
+        if std::env::var_os("GEARBENCH_UPDATE_GOLDEN").is_some() {
+            let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs");
+            std::fs::write(format!("{folder}/{name}"), text).unwrap();
+        } else {
+            let command =
+                "GEARBENCH_UPDATE_GOLDEN=1 cargo test --release --workspace --lib dictionary";
+            assert!(
+                text == document,
+                "docs/{name} is not that of the code; {command}"
+            );
+        }
     }
 
     /// The stored schema is the one that the types of the record have; `GEARBENCH_UPDATE_GOLDEN=1` writes it.
@@ -56,17 +135,7 @@ mod tests {
         schema.insert("title".into(), "gearbench results.json".into());
         schema.insert("description".into(), DESCRIPTION.into());
         let text = serde_json::to_string_pretty(&plain(schema.into())).unwrap() + "\n";
-        if std::env::var_os("GEARBENCH_UPDATE_GOLDEN").is_some() {
-            let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/results.schema.json");
-            std::fs::write(path, &text).unwrap();
-        } else {
-            let command =
-                "GEARBENCH_UPDATE_GOLDEN=1 cargo test --release --workspace --lib dictionary";
-            assert!(
-                text == RECORD_SCHEMA,
-                "docs/results.schema.json is not of these types; {command}"
-            );
-        }
+        stored("results.schema.json", RECORD_SCHEMA, &text);
     }
 
     /// The schema without default values and formats of numbers, which are not part of the format of files, and without

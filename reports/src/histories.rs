@@ -5,6 +5,7 @@
 //! (a row per tooth pair in contact at such a time), `-events.csv` (a row per contact that closes or opens, with the
 //! force on both sides of the instant).
 
+use crate::columns::{Columns, FileDescription, up_to};
 use crate::csv_table::{CsvTable, number};
 use crate::series::{Column, TimeSeries};
 use serde::{Deserialize, Serialize};
@@ -89,9 +90,15 @@ impl Histories {
     pub(crate) fn table(&self, ending: usize, kept: Option<&TimeSeries>) -> CsvTable {
         match ending {
             0 => self.even(kept),
-            1 => pairs(&self.pairs),
-            _ => events(&self.events),
+            1 => pairs(&self.moving_gears()).table(&self.pairs),
+            _ => events().table(&self.events),
         }
+    }
+
+    /// Returns the numbers of both gears of a pair, none where no tooth moves.
+    fn moving_gears(&self) -> Vec<String> {
+        let moves = self.pairs.iter().any(|s| !no_tooth_moves(&s.sprung));
+        if moves { up_to(2) } else { Vec::new() }
     }
 
     fn even(&self, kept: Option<&TimeSeries>) -> CsvTable {
@@ -119,54 +126,104 @@ impl Histories {
     }
 }
 
-/// Formats one cell of the table of tooth pairs.
-type CellFormat<'c> = &'c dyn Fn(&&PairSample) -> String;
+/// Returns the columns of tooth pairs; `gears` are the numbers of both gears where teeth move, which only some models have.
+#[rustfmt::skip]
+fn pairs<'a>(gears: &[String]) -> Columns<'a, &'a PairSample> {
+    let of = |value: fn(&SprungTooth) -> f64| move |s: &&PairSample, k: usize| s.sprung[k].as_ref().map(value);
+    Columns::<&PairSample>::of("runNN-MODEL-INTEGRATOR-pairs.csv", "")
+        .add("time_s", "time", |s| s.time_s)
+        .add("mesh", "number of the mesh, from 1", |s| s.mesh)
+        .add("tooth_1", "tooth of its first gear, from 1", |s| s.teeth[0].to_string())
+        .add("tooth_2", "tooth of its second gear, from 1", |s| s.teeth[1].to_string())
+        .add("pair_force_n", "magnitude of the vector sum of the pair's contact forces", |s| s.force_n)
+        .numbered(gears, "tooth_radial_force_N_n", "of movable teeth: radial part of the contact force on the tooth of this gear of the pair, positive away from the axis, at the contact point (F_n of Ebrahimi and Eberhard)", of(|t| t.radial_n))
+        .numbered(gears, "tooth_tangential_force_N_n", "tangential part, positive counter-clockwise, of a rack along its motion (F_t); times the radius of the contact point it is the torque on the tooth", of(|t| t.tangential_n))
+        .numbered(gears, "tooth_spring_force_N_n", "force of spring and damper on the tooth, `k r_d (phi - S) + c r_d (omega - S')` (F_te), positive as the tangential part", of(|t| t.spring_n))
+        .numbered(gears, "tooth_deflection_N_rad", "angle of the tooth minus that of its body, `S_i - phi`; of a rack a displacement in m", of(|t| t.deflection))
+}
 
-fn pairs(samples: &[PairSample]) -> CsvTable {
-    let of = |k: usize, value: fn(&SprungTooth) -> f64| {
-        move |s: &&PairSample| number(s.sprung[k].as_ref().map(value))
+#[rustfmt::skip]
+fn events<'a>() -> Columns<'a, &'a ContactEvent> {
+    Columns::<&ContactEvent>::of("runNN-MODEL-INTEGRATOR-events.csv", "")
+        .add("time_s", "time", |e| format!("{:.16e}", e.time_s))
+        .add("event", "`closes` or `opens`", |e| if e.closes { "closes" } else { "opens" })
+        .add("mesh", "number of the mesh, from 1", |e| e.mesh)
+        .add("tooth_1", "tooth of its first gear, from 1", |e| e.teeth[0].to_string())
+        .add("tooth_2", "tooth of its second gear, from 1", |e| e.teeth[1].to_string())
+        .add("force_before_n", "contact force of the whole mesh just before", |e| e.force_n[0])
+        .add("force_after_n", "contact force of the whole mesh just after", |e| e.force_n[1])
+        .add("located", "`true`: time of a located event; `false`: the contact changed between two times of the grid; this is the second one, and the forces are those at both", |e| e.located)
+}
+
+/// Returns the descriptions of the files of histories. Models and studies make the names of the columns of a run.
+pub(crate) fn files() -> Vec<FileDescription> {
+    let column = |(key, meaning): &(&str, &str)| ((*key).to_owned(), (*meaning).to_owned());
+    let of_runs = FileDescription {
+        file: "runNN-MODEL-INTEGRATOR.csv".into(),
+        rows: String::new(),
+        columns: COLUMNS.iter().map(column).collect(),
     };
-    let radial = [0, 1].map(|k| of(k, |t| t.radial_n));
-    let tangential = [0, 1].map(|k| of(k, |t| t.tangential_n));
-    let spring = [0, 1].map(|k| of(k, |t| t.spring_n));
-    let deflection = [0, 1].map(|k| of(k, |t| t.deflection));
-    let mut columns: Vec<(&str, CellFormat<'_>)> = vec![
-        ("time_s", &|s| number(s.time_s)),
-        ("mesh", &|s| s.mesh.to_string()),
-        ("tooth_1", &|s| s.teeth[0].to_string()),
-        ("tooth_2", &|s| s.teeth[1].to_string()),
-        ("pair_force_n", &|s| number(s.force_n)),
-    ];
-    // Only models whose teeth move have more.
-    if samples.iter().any(|s| !no_tooth_moves(&s.sprung)) {
-        columns.extend([
-            ("tooth_radial_force_1_n", &radial[0] as CellFormat<'_>),
-            ("tooth_radial_force_2_n", &radial[1]),
-            ("tooth_tangential_force_1_n", &tangential[0]),
-            ("tooth_tangential_force_2_n", &tangential[1]),
-            ("tooth_spring_force_1_n", &spring[0]),
-            ("tooth_spring_force_2_n", &spring[1]),
-            ("tooth_deflection_1_rad", &deflection[0]),
-            ("tooth_deflection_2_rad", &deflection[1]),
-        ]);
-    }
-    CsvTable::new("", samples, &columns)
+    let of_references = FileDescription {
+        file: "referenceNN-ID.csv".into(),
+        ..of_runs.clone()
+    };
+    vec![
+        of_runs,
+        of_references,
+        pairs(&["N".to_owned()]).described(),
+        events().described(),
+    ]
 }
 
-fn events(events: &[ContactEvent]) -> CsvTable {
-    let event = |closes| if closes { "closes" } else { "opens" };
-    CsvTable::new(
-        "",
-        events,
-        &[
-            ("time_s", &|e| format!("{:.16e}", e.time_s)),
-            ("event", &|e| event(e.closes).to_owned()),
-            ("mesh", &|e| e.mesh.to_string()),
-            ("tooth_1", &|e| e.teeth[0].to_string()),
-            ("tooth_2", &|e| e.teeth[1].to_string()),
-            ("force_before_n", &|e| number(e.force_n[0])),
-            ("force_after_n", &|e| number(e.force_n[1])),
-            ("located", &|e| e.located.to_string()),
-        ],
-    )
-}
+/// Columns of the histories of a run. MESH are the names of both gears of a further mesh with `_` between them.
+#[rustfmt::skip]
+const COLUMNS: [(&str, &str); 48] = [
+    ("time_s", "time"),
+    ("contact_force_n", "contact force of the first mesh: magnitude, in space, of the vector sum over its tooth pairs; on helical gears therefore the force normal to the flanks, 1 / cos(beta_b) times `contact_force_transverse_n` (1.045 at a base helix angle of 16.9 degrees)"),
+    ("omega1_rad_s", "angular velocity of gear 1, angular momentum over inertia; of a rack its speed over the pitch radius of its mate"),
+    ("omega2_rad_s", "angular velocity of gear 2, angular momentum over inertia; of a rack its speed over the pitch radius of its mate"),
+    ("hub_angle_GEAR_rad", "rotation of the hub since the start"),
+    ("hub_displacement_GEAR_m", "displacement of a rack since the start"),
+    ("transmission_error_m", "transmission error of the first mesh in the transverse plane, see below"),
+    ("transmission_error_MESH_m", "transmission error of a further mesh in the transverse plane"),
+    ("mesh_cycle", "cycles of the first mesh since the start, from the rotation of its first gear, in planetary sets relative to the carrier"),
+    ("backlash_position", "position of the tooth of the first mesh in its backlash: the negative transmission error over the transverse backlash, 0 where the flank of the start touches without load, 1 where the other one does, outside of this range while teeth are deflected; only for runs with values below 0.25 and above 0.75"),
+    ("backlash_position_MESH", "position in the backlash of a further mesh"),
+    ("speed_ratio_error", "error of the speed ratio of the first mesh: speed of the first hub over that of the second, over their ratio by numbers of teeth, minus 1; in planetary sets relative to the carrier; only for runs whose second gear keeps half of its greatest speed"),
+    ("speed_ratio_error_MESH", "error of the speed ratio of a further mesh"),
+    ("tooth_deflection_GEAR_rad", "of movable teeth: angle of a tooth minus that of its body, `S_i - phi`, of the tooth in contact with the greatest spring force, 0 without contact"),
+    ("tooth_deflection_GEAR_m", "deflection of a tooth of a rack with movable teeth"),
+    ("tooth_radial_force_GEAR_n", "radial part of the contact force on that tooth, positive away from the axis (F_n of Ebrahimi and Eberhard)"),
+    ("tooth_tangential_force_GEAR_n", "its tangential part, positive counter-clockwise, of a rack along its slide (F_t)"),
+    ("tooth_spring_force_GEAR_n", "force of spring and damper on that tooth, positive as the tangential part (F_te)"),
+    ("contact_force_MESH_n", "contact force of a further mesh"),
+    ("contact_force_transverse_n", "its component in the transverse plane, first mesh; equal for spur gears"),
+    ("contact_force_transverse_MESH_n", "transverse component of the contact force of a further mesh"),
+    ("contact_pressure_pa", "greatest pressure of the first mesh with contact on half-spaces: Hertz's pressure in the middle of a line"),
+    ("contact_pressure_MESH_pa", "greatest pressure of a further mesh on half-spaces"),
+    ("contact_half_width_m", "half-width of that line"),
+    ("contact_half_width_MESH_m", "half-width of the contact line of a further mesh"),
+    ("speed_GEAR_rad_s", "angular velocity of a further gear, angular momentum over inertia; in tables of `gearbench reference` of every gear"),
+    ("speed_GEAR_m_s", "speed of a rack, momentum over mass"),
+    ("force_x_n", "force of the first mesh on its second gear along x"),
+    ("force_y_n", "force of the first mesh on its second gear along y"),
+    ("force_z_n", "force of the first mesh on its second gear along the axes"),
+    ("force_x_MESH_n", "force of a further mesh on its second gear along x"),
+    ("force_y_MESH_n", "force of a further mesh on its second gear along y"),
+    ("force_z_MESH_n", "force of a further mesh on its second gear along the axes"),
+    ("hub_speed_GEAR_rad_s", "angular velocity of the hub"),
+    ("hub_speed_GEAR_m_s", "speed of the hub of a rack"),
+    ("contact_torque_GEAR_nm", "torque of the contact forces about the axis"),
+    ("contact_torque_GEAR_n", "contact force on a rack along its motion"),
+    ("bearing_GEAR_x_n", "force of the bearing on the gear along x"),
+    ("bearing_GEAR_y_n", "force of the bearing on the gear along y"),
+    ("bearing_GEAR_z_n", "force of the bearing on the gear along z; this column and the next five are written for gears whose hubs move in out-of-plane directions"),
+    ("hub_GEAR_x_m", "displacement of the hub from its assembled position along its first axis"),
+    ("hub_GEAR_y_m", "displacement of the hub along its second axis"),
+    ("hub_GEAR_z_m", "displacement of the hub along the axis of the gear"),
+    ("hub_GEAR_tilt_x_rad", "tilt of the hub about its first axis"),
+    ("hub_GEAR_tilt_y_rad", "tilt of the hub about its second axis"),
+    ("mount_torque_GEAR_nm", "torque of a mount that holds, drives or guides the gear"),
+    ("mount_torque_GEAR_n", "force of a mount that holds, drives or guides a rack along its motion"),
+    ("shaft_torque_A_B_nm", "torque that A exerts through their shaft on the next member B; of a long shaft next to A"),
+];

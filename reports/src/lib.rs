@@ -4,6 +4,7 @@
 //! ([`metrics`]), the charts and the page, so that these can be drawn again at any time. This crate does not depend on
 //! models or integrators; its tables iterate over the records.
 
+mod columns;
 mod csv_table;
 pub mod dictionary;
 mod drawing;

@@ -23,6 +23,12 @@ macro_rules! words {
             }
         }
 
+        impl From<$name> for crate::columns::Value {
+            fn from(x: $name) -> Self {
+                x.as_str().into()
+            }
+        }
+
         impl std::fmt::Display for $name {
             fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
                 f.write_str(self.as_str())

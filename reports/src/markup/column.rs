@@ -20,6 +20,33 @@ pub enum Rank {
     Detail,
 }
 
+/// Format of the cells of a column.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Format {
+    /// Left-aligned text.
+    Text,
+    /// Text or number as it is, right-aligned.
+    Plain,
+    /// Counts, with their digits in groups of three; a column of zeros is left out.
+    Counts,
+    /// Numbers with this many digits and one prefix by their typical magnitude; none without a unit.
+    Numbers(usize),
+    /// Numbers with this many digits, each with a prefix of its own.
+    Quantities(usize),
+    /// Numbers with at most this many digits, without prefix.
+    Short(usize),
+    /// Numbers with this many digits in the unit of the column; magnitudes below 1e-6 are zero.
+    Fixed(usize),
+    /// Numbers over a factor, in a unit and with this many digits.
+    Scaled(f64, &'static str, usize),
+    /// Residuals, always as powers of ten.
+    Powers,
+    /// Ratios in per cent with this many digits.
+    Percents(usize),
+    /// Deviations in per cent, with their sign.
+    Deviations,
+}
+
 /// A column: its heading, unit, and one cell per row.
 pub struct Column {
     pub rank: Rank,

@@ -5,6 +5,7 @@ use super::{note, section};
 use crate::metrics::Metric;
 use crate::numbers::{count, quantity, significant};
 use crate::record::{Ledger, Run, SELF, Status};
+use crate::studies::runs::{self, identity};
 use crate::view::{View, capital, resolution};
 use maud::{Markup, html};
 
@@ -33,6 +34,11 @@ pub fn class(run: &Run) -> &'static str {
     }
 }
 
+/// Returns the run of a row.
+fn run<'a>((run, ..): &Row<'a>) -> Option<&'a Run> {
+    Some(run)
+}
+
 /// Returns the number of modes of a run as a text.
 pub fn modes(run: &Run) -> Option<String> {
     run.modes.map(|n| n.to_string())
@@ -47,8 +53,7 @@ fn identified<'r>(rows: &'r [Row<'r>]) -> Table<'r, Row<'r>> {
         .text("Step", |(r, ..)| resolution(r))
         .key()
         .written("Modes", "", |(r, ..)| modes(r))
-        .numbers("Highest mode", "Hz", 3, |(r, ..)| r.highest_hz)
-        .text("Status", |(r, ..)| r.status.to_string())
+        .columns_by_key(&identity(), &["highest_hz", "status"], run)
 }
 
 /// Renders the table of metrics against every reference.
@@ -130,10 +135,6 @@ fn work(view: &View<'_>) -> Markup {
     if rows.is_empty() {
         return Markup::default();
     }
-    let counts = |f: fn(&Run) -> u64| {
-        let any = rows.iter().any(|(r, ..)| f(r) > 0);
-        move |(r, ..): &Row<'_>| any.then(|| count(f(r)))
-    };
     let mut repeats: Vec<u32> = (rows.iter().map(|(r, ..)| r.repeats))
         .filter(|n| *n > 0)
         .collect();
@@ -145,23 +146,25 @@ fn work(view: &View<'_>) -> Markup {
         [n] => format!("median of {n} repeats"),
         [least, .., most] => format!("median of {least} to {most} repeats"),
     };
+    let work = runs::work();
+    let events = rows.iter().any(|(r, ..)| r.events > 0);
     let table = identified(&rows)
-        .numbers("Wall time", "s", 3, |(r, ..)| r.wall_s)
-        .result()
-        .written("Steps", "", counts(|r| r.steps))
-        .result()
-        .written("Force evaluations", "", counts(|r| r.force_evaluations))
-        .result()
-        .numbers("Setup", "s", 3, |(r, ..)| r.setup_s)
+        .columns_by_key(
+            &work,
+            &["wall_s", "steps", "force_evaluations", "setup_s"],
+            run,
+        )
         .ranges("Wall time, least \u{2013} greatest", "s", 3, |(r, ..)| {
             r.wall_spread_s
         })
-        .numbers("Simulated", "s", 4, |(r, ..)| r.simulated_s)
-        .written("Rejected steps", "", counts(|r| r.rejected))
-        .written("Newton iterations", "", counts(|r| r.newton_iterations))
-        .written("Factorisations", "", counts(|r| r.factorisations))
-        .written("Events", "", counts(|r| r.events))
-        .written("Degrees of freedom", "", counts(|r| r.dofs as u64));
+        .columns_by_key(&identity(), &["reached_s"], run)
+        .columns_by_key(
+            &work,
+            &["rejected", "newton_iterations", "factorisations"],
+            run,
+        )
+        .written("Events", "", |(r, ..)| events.then(|| count(r.events)))
+        .columns_by_key(&work, &["dofs"], run);
     let remark = format!(
         "Wall time: {repeats}, without the fixed costs under Setup. The time of a failed run ends where it failed."
     );
@@ -174,24 +177,35 @@ fn ledger(view: &View<'_>) -> Markup {
     if rows.iter().all(|(r, ..)| r.ledger == Ledger::default()) {
         return Markup::default();
     }
-    let get = |f: fn(&Ledger) -> Option<f64>| move |(r, ..): &Row<'_>| f(&r.ledger);
+    let columns = runs::ledger();
+    fn of<'a>((r, ..): &Row<'a>) -> Option<&'a Ledger> {
+        Some(&r.ledger)
+    }
     let table = identified(&rows)
-        .numbers("Start", "J", 5, get(|l| l.energy_start_j))
-        .numbers("Loads", "J", 4, get(|l| l.external_work_j))
-        .numbers("Dissipated", "J", 3, get(|l| l.dissipated_j))
-        .numbers("Jumps", "J", 3, get(|l| l.jumps_j.filter(|j| *j != 0.0)))
+        .columns_by_key(
+            &columns,
+            &["energy_start_j", "external_work_j", "dissipated_j"],
+            of,
+        )
+        .numbers("Jumps", "J", 3, |(r, ..)| {
+            r.ledger.jumps_j.filter(|j| *j != 0.0)
+        })
         .result()
-        .numbers("End", "J", 5, get(|l| l.energy_end_j))
-        .numbers("of it kinetic", "J", 4, get(|l| l.kinetic_j))
-        .numbers("of it strain", "J", 3, get(|l| l.strain_j))
-        .numbers("of it in contact", "J", 3, get(|l| l.contact_j))
-        .powers("Residual", "J", get(|l| l.residual_j))
-        .powers("Residual, relative", "", get(|l| l.residual_rel))
-        .result()
-        .numbers("Vibrating", "J", 3, get(|l| l.vibrating_j))
-        .numbers("Impulse", "N s", 4, get(|l| l.impulse_ns))
-        .powers("Invariant drift", "", get(|l| l.invariant_drift_rel))
-        .result();
+        .columns_by_key(
+            &columns,
+            &[
+                "energy_end_j",
+                "kinetic_energy_end_j",
+                "strain_energy_end_j",
+                "contact_energy_end_j",
+                "energy_residual_j",
+                "energy_rel",
+                "energy_vibrating_j",
+                "ledger_impulse_ns",
+                "invariant_drift_rel",
+            ],
+            of,
+        );
     let remark = note(
         "End = start + work of loads \u{2212} dissipated + jumps + residual; the residual is the integrator's own. Jumps: what switches brought in, such as a pair of teeth that comes into contact with its whole force. \
          Vibrating: what growth of the energy is judged by. \

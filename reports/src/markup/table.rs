@@ -4,10 +4,13 @@
 //! ([`Rank::Result`]), and as many others as fit the page. The remaining columns are in a second table below, with the
 //! same keys. On a narrow screen every row is a card with the headings next to its numbers.
 
-use super::column::{Column, PAGE, Rank, width};
+use super::column::{Column, Format, PAGE, Rank, width};
 use super::prose;
+use crate::columns::{Column as DeclaredColumn, Columns, Value};
 use crate::drawing::style::mark;
-use crate::numbers::{ABSENT, Prefix, ROUNDING, count, deviation, percent, power, significant};
+use crate::numbers::{
+    ABSENT, Prefix, ROUNDING, count, deviation, percent, power, quantity, short, significant,
+};
 use maud::{Markup, Render, html};
 
 /// A table whose columns are functions of its rows.
@@ -47,7 +50,62 @@ impl<'r, R> Table<'r, R> {
         self
     }
 
-    fn column(mut self, heading: &str, unit: &str, text: bool, cells: Vec<Option<String>>) -> Self {
+    /// Adds a column with given values.
+    fn show(self, heading: &str, unit: &str, format: Format, values: Vec<Value>) -> Self {
+        let numbers = || values.iter().map(Value::number);
+        let each = |f: &dyn Fn(f64) -> String| numbers().map(|x| Some(f(x?))).collect::<Vec<_>>();
+        let (unit, cells) = match format {
+            Format::Text | Format::Plain => (unit.to_owned(), values.iter().map(text).collect()),
+            Format::Counts => {
+                let any = numbers().flatten().any(|x| x > 0.0);
+                let cells = match any {
+                    true => each(&|x| count(x as u64)),
+                    false => vec![None; values.len()],
+                };
+                (unit.to_owned(), cells)
+            }
+            Format::Numbers(digits) => {
+                let prefix = common_prefix(numbers().flatten(), unit);
+                let largest = numbers().flatten().fold(0.0_f64, |a, x| a.max(x.abs()));
+                let nothing = if unit.is_empty() {
+                    0.0
+                } else {
+                    ROUNDING.max(NOTHING * largest)
+                };
+                let shown = |x: f64| if x.abs() < nothing { 0.0 } else { x };
+                let cells = each(&|x| significant(shown(x) * prefix.factor, digits));
+                (format!("{}{unit}", prefix.symbol), cells)
+            }
+            Format::Quantities(digits) => (String::new(), each(&|x| quantity(x, unit, digits))),
+            Format::Short(digits) => (unit.to_owned(), each(&|x| short(x, digits))),
+            Format::Fixed(digits) => {
+                let shown = |x: f64| if x.abs() < 1e-6 { 0.0 } else { x };
+                (unit.to_owned(), each(&|x| significant(shown(x), digits)))
+            }
+            Format::Scaled(factor, unit, digits) => {
+                (unit.to_owned(), each(&|x| significant(x / factor, digits)))
+            }
+            Format::Powers => {
+                let nothing = |x: f64| unit.is_empty() && x != 0.0 && x.abs() < ROUNDING;
+                let cells = each(&|x| match nothing(x) {
+                    true => format!("< {}", power(ROUNDING, 1)),
+                    false => power(x, 2),
+                });
+                (unit.to_owned(), cells)
+            }
+            Format::Percents(digits) => ("%".into(), each(&|x| percent(x, digits))),
+            Format::Deviations => ("%".into(), each(&|x| deviation(x, 3))),
+        };
+        self.column(heading, unit, format == Format::Text, cells)
+    }
+
+    fn column(
+        mut self,
+        heading: &str,
+        unit: String,
+        text: bool,
+        cells: Vec<Option<String>>,
+    ) -> Self {
         // The first column identifies the row.
         let rank = match self.columns.is_empty() {
             true => Rank::Key,
@@ -56,11 +114,51 @@ impl<'r, R> Table<'r, R> {
         self.columns.push(Column {
             rank,
             heading: heading.into(),
-            unit: unit.into(),
+            unit,
             cells,
             text,
         });
         self
+    }
+
+    /// Adds the columns of a declaration that pages show. The cells of a row that has no row of the declaration stay
+    /// empty.
+    pub fn columns<P>(self, declared: &Columns<'_, P>, row: impl Fn(&'r R) -> Option<P>) -> Self {
+        (declared.all.iter()).fold(self, |table, c| table.declared(c, &row))
+    }
+
+    /// Adds columns of a declaration in the order of some keys.
+    ///
+    /// # Panics
+    /// If the declaration has no column of a key.
+    pub fn columns_by_key<P>(
+        self,
+        declared: &Columns<'_, P>,
+        keys: &[&str],
+        row: impl Fn(&'r R) -> Option<P>,
+    ) -> Self {
+        keys.iter().fold(self, |table, key| {
+            let column = declared.all.iter().find(|c| c.key == *key);
+            let column = column.unwrap_or_else(|| panic!("there is no column {key}"));
+            table.declared(column, &row)
+        })
+    }
+
+    fn declared<P>(
+        self,
+        column: &DeclaredColumn<'_, P>,
+        row: &impl Fn(&'r R) -> Option<P>,
+    ) -> Self {
+        let Some((heading, format)) = &column.shown else {
+            return self;
+        };
+        let value = |r: &'r R| row(r).map_or(Value::Absent, |p| (column.value)(&p));
+        let values = self.rows.iter().map(value).collect();
+        let table = self.show(heading, column.unit(), *format, values);
+        match column.rank {
+            Rank::Detail => table,
+            rank => table.ranked(rank),
+        }
     }
 
     fn ranked(mut self, rank: Rank) -> Self {
@@ -80,36 +178,30 @@ impl<'r, R> Table<'r, R> {
         self.ranked(Rank::Result)
     }
 
-    fn cells<T: Into<Option<String>>>(&self, cell: impl Fn(&R) -> T) -> Vec<Option<String>> {
-        let said = |r: &R| cell(r).into().filter(|s| !s.is_empty());
-        self.rows.iter().map(said).collect()
-    }
-
-    fn values<T: Into<Option<f64>>>(&self, value: impl Fn(&R) -> T) -> Vec<Option<f64>> {
-        let finite = |r: &R| value(r).into().filter(|x| x.is_finite());
-        self.rows.iter().map(finite).collect()
+    fn values<T: Into<Value>>(&self, value: impl Fn(&R) -> T) -> Vec<Value> {
+        self.rows.iter().map(|r| value(r).into()).collect()
     }
 
     /// Adds a column of left-aligned text; cells of empty text stay empty.
-    pub fn text<T: Into<Option<String>>>(self, heading: &str, cell: impl Fn(&R) -> T) -> Self {
-        let cells = self.cells(cell);
-        self.column(heading, "", true, cells)
+    pub fn text<T: Into<Value>>(self, heading: &str, cell: impl Fn(&R) -> T) -> Self {
+        let cells = self.values(cell);
+        self.show(heading, "", Format::Text, cells)
     }
 
     /// Adds a column of numbers that are already formatted.
-    pub fn written<T: Into<Option<String>>>(
+    pub fn written<T: Into<Value>>(
         self,
         heading: &str,
         unit: &str,
         cell: impl Fn(&R) -> T,
     ) -> Self {
-        let cells = self.cells(cell);
-        self.column(heading, unit, false, cells)
+        let cells = self.values(cell);
+        self.show(heading, unit, Format::Plain, cells)
     }
 
     /// Adds a column of numbers in SI units with one prefix by their typical magnitude. Without a unit the numbers have
     /// no prefix.
-    pub fn numbers<T: Into<Option<f64>>>(
+    pub fn numbers<T: Into<Value>>(
         self,
         heading: &str,
         unit: &str,
@@ -117,21 +209,7 @@ impl<'r, R> Table<'r, R> {
         value: impl Fn(&R) -> T,
     ) -> Self {
         let values = self.values(value);
-        let prefix = common_prefix(values.iter().flatten().copied(), unit);
-        let largest = values.iter().flatten().fold(0.0_f64, |a, x| a.max(x.abs()));
-        let nothing = if unit.is_empty() {
-            0.0
-        } else {
-            ROUNDING.max(NOTHING * largest)
-        };
-        let cell = |x: &Option<f64>| {
-            let x = (*x)?;
-            let x = if x.abs() < nothing { 0.0 } else { x };
-            Some(significant(x * prefix.factor, digits))
-        };
-        let unit = format!("{}{unit}", prefix.symbol);
-        let cells = values.iter().map(cell).collect();
-        self.column(heading, &unit, false, cells)
+        self.show(heading, unit, Format::Numbers(digits), values)
     }
 
     /// Adds a column of ranges from least to greatest value, with one prefix.
@@ -151,47 +229,47 @@ impl<'r, R> Table<'r, R> {
         };
         let unit = format!("{}{unit}", prefix.symbol);
         let cells = values.iter().map(cell).collect();
-        self.column(heading, &unit, false, cells)
+        self.column(heading, unit, false, cells)
     }
 
     /// Adds a column of residuals, always as powers of ten.
-    pub fn powers<T: Into<Option<f64>>>(
+    pub fn powers<T: Into<Value>>(
         self,
         heading: &str,
         unit: &str,
         value: impl Fn(&R) -> T,
     ) -> Self {
         let values = self.values(value);
-        let nothing = |x: f64| unit.is_empty() && x != 0.0 && x.abs() < ROUNDING;
-        let cell = |x: &Option<f64>| {
-            Some(match (*x)? {
-                x if nothing(x) => format!("< {}", power(ROUNDING, 1)),
-                x => power(x, 2),
-            })
-        };
-        let cells = values.iter().map(cell).collect();
-        self.column(heading, unit, false, cells)
+        self.show(heading, unit, Format::Powers, values)
     }
 
     /// Adds a column of ratios in per cent.
-    pub fn percents<T: Into<Option<f64>>>(
+    pub fn percents<T: Into<Value>>(
         self,
         heading: &str,
         digits: usize,
         value: impl Fn(&R) -> T,
     ) -> Self {
         let values = self.values(value);
-        let cell = |x: &Option<f64>| Some(percent((*x)?, digits));
-        let cells = values.iter().map(cell).collect();
-        self.column(heading, "%", false, cells)
+        self.show(heading, "", Format::Percents(digits), values)
     }
 
     /// Adds a column of deviations in per cent, with their sign.
-    pub fn deviations<T: Into<Option<f64>>>(self, heading: &str, value: impl Fn(&R) -> T) -> Self {
+    pub fn deviations<T: Into<Value>>(self, heading: &str, value: impl Fn(&R) -> T) -> Self {
         let values = self.values(value);
-        let cells = values.iter().map(|x| Some(deviation((*x)?, 3))).collect();
-        self.column(heading, "%", false, cells)
+        self.show(heading, "", Format::Deviations, values)
     }
+}
+
+/// Returns the text of a cell; an empty text is no value.
+fn text(value: &Value) -> Option<String> {
+    let text = match value {
+        Value::Absent => String::new(),
+        Value::Number(x) => x.to_string(),
+        Value::Count(n) => n.to_string(),
+        Value::Text(text) => text.clone(),
+    };
+    Some(text).filter(|text| !text.is_empty())
 }
 
 /// Returns the prefix for the typical magnitude of a column; no prefix without a unit.

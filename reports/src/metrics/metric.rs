@@ -129,6 +129,36 @@ impl Metric {
         }
     }
 
+    /// Returns the meaning in the dictionary of columns.
+    #[rustfmt::skip]
+    pub fn meaning(self) -> &'static str {
+        match self {
+            Self::ForceL1 => "relative L1 error of the contact force: integral of the magnitude of its error over that of the force",
+            Self::ForceL2 => "relative L2 error of the force history",
+            Self::ForceL2Aligned => "relative L2 error of the force history after the best shift in time",
+            Self::TimeShift => "best shift in time, added to the time of the run",
+            Self::PeakForce => "greatest contact force",
+            Self::PeakForceRel => "error of the peak force",
+            Self::RmsForce => "root mean square of the contact force over the time of the run",
+            Self::RmsForceRel => "error of the root mean square of the force",
+            Self::Impulse => "impulse of the contact force",
+            Self::ImpulseRel => "error of the impulse",
+            Self::Duration => "time with more than 1e-6 of the greatest contact force",
+            Self::Omega1End => "final angular velocity of gear 1",
+            Self::Omega2End => "final angular velocity of gear 2",
+            Self::Rebound => "greatest error of a final speed over the range of that speed",
+            Self::TransmissionError => "relative L2 error of the transmission error, of the worst mesh",
+            Self::TransmissionErrorSpan => "peak to peak of the transmission error",
+            Self::TransmissionErrorSpanRel => "error of the peak to peak of the transmission error",
+            Self::TransmissionErrorOrders => "error of the amplitudes of the transmission error at multiples of the mesh frequency, over the last whole mesh cycles: root of the sum of squares over that of the reference's",
+            Self::TransmissionErrorAligned => "relative L2 error of the periodic part of the transmission error, without its mean and after the best shift",
+            Self::Angle => "greatest error of an angle against an external reference: root mean square over the range of the reference",
+            Self::Torque => "greatest error of a torque against an external reference: root mean square over the range of the reference",
+            Self::TorquePeakRel => "largest error of the peak of a torque",
+            Self::EnergyDrift => "residual of the energy ledger over its largest entry",
+        }
+    }
+
     /// Returns the metric for integration errors that corresponds to this metric for model errors. A force with jumps
     /// converges in the L1 norm with the order of its event times, in the L2 norm with half of it (see
     /// [`crate::metrics`]).

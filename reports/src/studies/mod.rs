@@ -15,13 +15,14 @@ pub mod penalty;
 pub mod precision;
 pub mod response;
 pub mod run_up;
-mod runs;
+pub(crate) mod runs;
 pub mod scan;
 pub mod stability;
 pub mod stiffness;
 pub mod sweep;
 pub mod truncation;
 
+use crate::columns::FileDescription;
 use crate::csv_table::CsvTable;
 use crate::drawing::Chart;
 use crate::drawing::canvas::DrawError;
@@ -187,7 +188,57 @@ impl Part {
     }
 }
 
-/// Returns the report of a record. It is the only function with a branch for every study.
+/// Returns the descriptions of the tables of all studies.
+#[rustfmt::skip]
+pub(crate) fn files() -> Vec<FileDescription> {
+    let [n, gear, id] = ["N", "GEAR", "ID"].map(|word| [word.to_owned()]);
+    vec![
+        runs::columns(&n, &id).described(),
+        mesh_modes::columns().described(),
+        compare::meshes::columns("").described(),
+        compare::paths::meshes().described(),
+        compare::paths::members().described(),
+        compare::paths::shafts().described(),
+        compare::paths::load_sharing().described(),
+        precision::csv::columns().described(),
+        truncation::csv::columns().described(),
+        penalty::csv::columns().described(),
+        stability::csv::cells().described(),
+        stability::csv::limits().described(),
+        stability::csv::times_of_runs().described(),
+        choose::csv::candidates().described(),
+        choose::csv::levels().described(),
+        choice_check::csv::columns().described(),
+        check::files::columns().described(),
+        identify::csv::parameters().described(),
+        identify::csv::fitted().described(),
+        identify::csv::residuals().described(),
+        identify::csv::profiles().described(),
+        identify::csv::histories(&[]).described(),
+        modes::csv::frequencies().described(),
+        modes::csv::energies().described(),
+        modes::csv::shapes().described(),
+        response::csv::meshes(&n).described(),
+        response::csv::mounts(&n).described(),
+        response::csv::limits(&n).described(),
+        sweep::csv::speeds(&n, &gear).described(),
+        sweep::csv::cycles().described(),
+        sweep::csv::orders().described(),
+        sweep::csv::statics().described(),
+        run_up::csv::orders(&run_up::csv::PLACEHOLDERS).described(),
+        run_up::csv::spectra(&run_up::csv::PLACEHOLDERS).described(),
+        run_up::csv::order_spectra(&run_up::csv::PLACEHOLDERS).described(),
+        coupling::csv::columns().described(),
+        scan::csv::cells(),
+        scan::csv::times_of_cells(),
+        scan::csv::statistics().described(),
+        scan::csv::indices().described(),
+        stiffness::csv::models().described(),
+        stiffness::csv::cycle(&n, 0, true).described(),
+    ]
+}
+
+/// Returns the report of a record. It has a branch for every study.
 ///
 /// # Errors
 /// [`DrawError`] when the drawing backend refuses.

@@ -4,7 +4,9 @@
 //! the file repeats the first table of the study.
 
 use super::sweep;
-use crate::csv_table::{CsvColumn, CsvTable, number, text};
+use crate::columns::{Columns, up_to};
+use crate::csv_table::CsvTable;
+use crate::markup::column::Format;
 use crate::metrics::{Metric, orders::KEPT};
 use crate::record::{Ledger, Results, Run};
 use crate::studies::Study;
@@ -12,81 +14,71 @@ use crate::studies::Study;
 /// Name of the file.
 pub const RUNS: &str = "runs.csv";
 
-/// A column of runs that may depend on the record, such as on the ids of its references.
-type Column<'c> = (String, Box<dyn Fn(&Run) -> String + 'c>);
+/// Meaning of the static transmission error of a run.
+pub const STATIC_ERROR: &str =
+    "mean static transmission error over a base pitch under the load of the study";
+
+/// A run with its place in the record.
+type Row<'a> = (usize, &'a Run);
 
 /// Returns the columns that identify a run within its study, and its status.
-pub fn identity() -> [CsvColumn<'static, Run>; 17] {
-    [
-        ("model", &|r| r.model_label()),
-        ("modes", &|r| text(&r.modes)),
-        ("highest_hz", &|r| number(r.highest_hz)),
-        ("residual", &|r| text(&r.residual)),
-        ("choose", &|r| text(&r.choose)),
-        ("penalty_pa_per_m", &|r| number(r.penalty_pa_per_m)),
-        ("hard", &|r| text(&r.hard)),
-        ("integrator", &|r| r.integrator.clone()),
-        ("implicit", &|r| r.implicit.to_string()),
-        ("step_s", &|r| number(r.step)),
-        ("rtol", &|r| number(r.rtol)),
-        ("status", &|r| r.status.to_string()),
-        ("message", &|r| text(&r.message)),
-        ("fitted_to", &|r| text(&r.fitted_to)),
-        ("calibration", &|r| text(&r.calibration)),
-        ("reached_s", &|r| number(r.simulated_s)),
-        ("static_transmission_error_m", &|r| number(r.static_error_m)),
-    ]
+#[rustfmt::skip]
+pub fn identity<'a>() -> Columns<'a, &'a Run> {
+    Columns::<&Run>::of("", "")
+        .model(|r| r.model_label())
+        .modes(|r| r.modes)
+        .add("highest_hz", "highest frequency among the modes", |r| r.highest_hz).shown("Highest mode", Format::Numbers(3))
+        .add("residual", "whether the truncated modes are represented by residual compliance", |r| r.residual)
+        .add("choose", "choice of the modes", |r| r.choose.clone())
+        .add("penalty_pa_per_m", "penalty of the contact", |r| r.penalty_pa_per_m)
+        .add("hard", "hard contact", |r| r.hard)
+        .integrator(|r| r.integrator.clone())
+        .add("implicit", "the method is implicit", |r| r.implicit)
+        .step(|r| r.step)
+        .rtol(|r| r.rtol)
+        .status(|r| r.status).shown("Status", Format::Text)
+        .message(|r| r.message.clone())
+        .add("fitted_to", "reference to which the model's constants were fitted", |r| r.fitted_to.clone())
+        .add("calibration", "calibration of its stiffness", |r| r.calibration.clone())
+        .add("reached_s", "time reached", |r| r.simulated_s).shown("Simulated", Format::Numbers(4))
+        .add("static_transmission_error_m", STATIC_ERROR, |r| r.static_error_m)
 }
 
 /// Returns the columns with the cost of a run: times, steps, evaluations, factorisations.
-pub fn work() -> [CsvColumn<'static, Run>; 12] {
-    [
-        ("cpu_s", &|r| number(r.cpu_s)),
-        ("wall_s", &|r| number(r.wall_s)),
-        ("wall_min_s", &|r| number(r.wall_spread_s.map(|s| s[0]))),
-        ("wall_max_s", &|r| number(r.wall_spread_s.map(|s| s[1]))),
-        ("repeats", &|r| r.repeats.to_string()),
-        ("setup_s", &|r| number(r.setup_s)),
-        ("steps", &|r| r.steps.to_string()),
-        ("rejected", &|r| r.rejected.to_string()),
-        ("force_evaluations", &|r| r.force_evaluations.to_string()),
-        ("newton_iterations", &|r| r.newton_iterations.to_string()),
-        ("factorisations", &|r| r.factorisations.to_string()),
-        ("dofs", &|r| r.dofs.to_string()),
-    ]
+#[rustfmt::skip]
+pub fn work<'a>() -> Columns<'a, &'a Run> {
+    Columns::<&Run>::of("", "")
+        .add("cpu_s", "processor time of the integration, median of the repeats; other work on the machine does not change it", |r| r.cpu_s)
+        .add("wall_s", "wall time, median of the repeats", |r| r.wall_s).shown("Wall time", Format::Numbers(3)).result()
+        .add("wall_min_s", "shortest wall time", |r| r.wall_spread_s.map(|s| s[0]))
+        .add("wall_max_s", "longest wall time", |r| r.wall_spread_s.map(|s| s[1]))
+        .add("repeats", "timed repeats; 0 where the recorded run itself was timed", |r| r.repeats)
+        .add("setup_s", "wall time before the first step", |r| r.setup_s).shown("Setup", Format::Numbers(3))
+        .add("steps", "accepted steps", |r| r.steps).shown("Steps", Format::Counts).result()
+        .add("rejected", "rejected steps", |r| r.rejected).shown("Rejected steps", Format::Counts)
+        .add("force_evaluations", "evaluations of the contact forces", |r| r.force_evaluations).shown("Force evaluations", Format::Counts).result()
+        .add("newton_iterations", "iterations of Newton's method", |r| r.newton_iterations).shown("Newton iterations", Format::Counts)
+        .add("factorisations", "factorisations of the Newton matrix", |r| r.factorisations).shown("Factorisations", Format::Counts)
+        .add("dofs", "coordinates", |r| r.dofs).shown("Degrees of freedom", Format::Counts)
 }
 
 /// Returns the columns of the ledger of energy and impulse.
-fn ledger() -> [CsvColumn<'static, Ledger>; 13] {
-    [
-        ("energy_start_j", &|l| number(l.energy_start_j)),
-        ("energy_end_j", &|l| number(l.energy_end_j)),
-        ("kinetic_energy_end_j", &|l| number(l.kinetic_j)),
-        ("strain_energy_end_j", &|l| number(l.strain_j)),
-        ("contact_energy_end_j", &|l| number(l.contact_j)),
-        ("external_work_j", &|l| number(l.external_work_j)),
-        ("dissipated_j", &|l| number(l.dissipated_j)),
-        ("energy_jumps_j", &|l| number(l.jumps_j)),
-        ("energy_residual_j", &|l| number(l.residual_j)),
-        ("energy_rel", &|l| number(l.residual_rel)),
-        ("energy_vibrating_j", &|l| number(l.vibrating_j)),
-        ("ledger_impulse_ns", &|l| number(l.impulse_ns)),
-        ("invariant_drift_rel", &|l| number(l.invariant_drift_rel)),
-    ]
-}
-
-/// Returns columns of a part of the run; their cells are empty where the run lacks the part.
-fn of_part<'c, T: 'static>(
-    columns: impl IntoIterator<Item = CsvColumn<'static, T>>,
-    part: impl Fn(&Run) -> Option<&T> + Copy + 'c,
-) -> impl Iterator<Item = Column<'c>> {
-    columns.into_iter().map(move |(name, cell)| {
-        let cell = move |r: &Run| part(r).map_or(String::new(), cell);
-        (
-            name.to_owned(),
-            Box::new(cell) as Box<dyn Fn(&Run) -> String>,
-        )
-    })
+#[rustfmt::skip]
+pub fn ledger<'a>() -> Columns<'a, &'a Ledger> {
+    Columns::<&Ledger>::of("", "")
+        .add("energy_start_j", "total energy at the start", |l| l.energy_start_j).shown("Start", Format::Numbers(5))
+        .add("energy_end_j", "total energy at the end", |l| l.energy_end_j).shown("End", Format::Numbers(5))
+        .add("kinetic_energy_end_j", "kinetic energy at the end", |l| l.kinetic_j).shown("of it kinetic", Format::Numbers(4))
+        .add("strain_energy_end_j", "strain energy of bodies and tooth springs at the end", |l| l.strain_j).shown("of it strain", Format::Numbers(3))
+        .add("contact_energy_end_j", "energy stored by the contact laws at the end", |l| l.contact_j).shown("of it in contact", Format::Numbers(3))
+        .add("external_work_j", "work of loads and drives", |l| l.external_work_j).shown("Loads", Format::Numbers(4))
+        .add("dissipated_j", "energy dissipated by damping and friction", |l| l.dissipated_j).shown("Dissipated", Format::Numbers(3))
+        .add("energy_jumps_j", "jumps of energy where a branch changes, such as a pair that enters contact with its whole force", |l| l.jumps_j)
+        .add("energy_residual_j", "unexplained energy: error of the integration", |l| l.residual_j).shown("Residual", Format::Powers)
+        .add("energy_rel", "unexplained energy over the largest entry of the ledger", |l| l.residual_rel).shown("Residual, relative", Format::Powers).result()
+        .add("energy_vibrating_j", "greatest energy of strain, contact and relative motion, plus the work through contacts: the scale for energy growth", |l| l.vibrating_j).shown("Vibrating", Format::Numbers(3))
+        .add("ledger_impulse_ns", "impulse of the contact force along the line of action", |l| l.impulse_ns).shown("Impulse", Format::Numbers(4))
+        .add("invariant_drift_rel", "drift of the momentum invariant L1/r_b1 - L2/r_b2 over the impulse", |l| l.invariant_drift_rel).shown("Invariant drift", Format::Powers).result()
 }
 
 /// Metrics that do not depend on a reference, so that every comparison has them.
@@ -101,61 +93,59 @@ const RESULTS: [(&str, Metric); 8] = [
     ("energy_drift_rel", Metric::EnergyDrift),
 ];
 
-/// Returns the table of all runs of a record with all their scalars; a column in which no run has a value is left out.
-fn table(results: &Results) -> CsvTable {
-    fn of_run(r: &Run) -> Option<&Run> {
-        Some(r)
+/// Returns the columns of runs with all their scalars, for some orders and references.
+pub fn columns<'a>(orders: &[String], references: &[String]) -> Columns<'a, Row<'a>> {
+    let mut columns = Columns::<Row<'_>>::of(
+        RUNS,
+        "Every study: one row per run with every scalar quantity of the record; columns without any value are left out.",
+    )
+    .add("run", "position of the run in the record, from 1", |(i, _)| i + 1)
+    .join(identity(), |(_, r)| Some(*r));
+    for (key, metric) in RESULTS {
+        let value = move |(_, r): &Row<'_>| r.metrics.first()?.get(metric);
+        columns = columns.add(key, metric.meaning(), value);
     }
-    fn of_ledger(r: &Run) -> Option<&Ledger> {
-        Some(&r.ledger)
-    }
-    fn of_steady(r: &Run) -> Option<&crate::record::Steady> {
-        r.steady.as_ref()
-    }
-    let mut columns: Vec<Column<'_>> = of_part(identity(), of_run).collect();
-    columns.extend(RESULTS.map(|(name, metric)| -> Column<'_> {
-        let cell = move |r: &Run| number(r.metrics.first().and_then(|m| m.get(metric)));
-        (name.to_owned(), Box::new(cell))
-    }));
-    columns.extend((1..=KEPT).map(|n| -> Column<'_> {
-        let order =
-            move |r: &Run| Some(*r.metrics.first()?.transmission_error_orders_m.get(n - 1)?);
-        let cell = move |r: &Run| number(order(r));
-        (format!("transmission_error_{n}_m"), Box::new(cell))
-    }));
-    let mut references: Vec<&str> = Vec::new();
-    for m in results.runs.iter().flat_map(|r| &r.metrics) {
-        if !references.contains(&m.against.as_str()) {
-            references.push(&m.against);
-        }
-    }
+    columns = columns.numbered(
+        orders,
+        "transmission_error_N_m",
+        "amplitude of the N-th harmonic of the mesh frequency in the transmission error",
+        |(_, r), k| {
+            let orders = &r.metrics.first()?.transmission_error_orders_m;
+            orders.get(k).copied()
+        },
+    );
     for id in references {
         let errors = Metric::ALL.into_iter().filter(|m| m.is_error());
         let errors = errors.filter(|m| *m != Metric::EnergyDrift);
         for metric in errors.chain([Metric::TimeShift]) {
-            let name = match metric {
+            let key = match metric {
                 Metric::TimeShift => format!("time_shift_against_{id}_s"),
                 other => format!("{}_against_{id}", other.key()),
             };
-            let cell = move |r: &Run| number(r.against(id).and_then(|m| m.get(metric)));
-            columns.push((name, Box::new(cell)));
+            let meaning = format!("against the reference {id}: {}", metric.meaning());
+            let id = id.clone();
+            let value = move |(_, r): &Row<'_>| r.against(&id)?.get(metric);
+            columns = columns.add(key, meaning, value);
         }
     }
-    columns.extend(of_part(sweep::steady_columns(), of_steady));
-    columns.extend(of_part(ledger(), of_ledger));
-    columns.extend(of_part(work(), of_run));
-    let rows = || results.runs.iter();
-    columns.retain(|(_, cell)| rows().any(|r| !cell(r).is_empty()));
-    let header = std::iter::once("run".to_owned());
-    let row = |(i, r): (usize, &Run)| {
-        let cells = columns.iter().map(|(_, cell)| cell(r));
-        std::iter::once((i + 1).to_string()).chain(cells).collect()
-    };
-    CsvTable {
-        file: RUNS.into(),
-        header: header.chain(columns.iter().map(|c| c.0.clone())).collect(),
-        rows: rows().enumerate().map(row).collect(),
+    columns
+        .join(sweep::steady_columns(), |(_, r)| r.steady.as_ref())
+        .join(ledger(), |(_, r)| Some(&r.ledger))
+        .join(work(), |(_, r)| Some(*r))
+}
+
+/// Returns the table of all runs of a record with all their scalars; a column in which no run has a value is left out.
+fn table(results: &Results) -> CsvTable {
+    let mut references: Vec<String> = Vec::new();
+    for m in results.runs.iter().flat_map(|r| &r.metrics) {
+        if !references.contains(&m.against) {
+            references.push(m.against.clone());
+        }
     }
+    let columns = columns(&up_to(KEPT), &references);
+    columns
+        .table(results.runs.iter().enumerate())
+        .without_empty_columns()
 }
 
 /// Returns `runs.csv` of a record whose study has written `tables`; `None` where nothing was run.

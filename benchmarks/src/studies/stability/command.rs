@@ -28,7 +28,7 @@ use gearbench_models::scene::Scene;
 use gearbench_reports::Study;
 use gearbench_reports::numbers::short;
 use gearbench_reports::stability::Columns;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// Default integrators of a map: explicit ones, the one that is exact for modes, implicit ones.
 const USUAL: [MethodSpec; 6] = [
@@ -45,8 +45,6 @@ const STEPS: [f64; 2] = [0.05, 20.0];
 const TOLERANCES: [f64; 2] = [1e-9, 1e-1];
 /// Samples of the histories from which errors are computed.
 const SAMPLES: usize = 500;
-/// Wall times of the runs.
-const TIMINGS: &str = "timings.csv";
 
 /// Runs the study and writes its folder.
 pub fn run(context: &Context, args: &Stability, command: &str) -> Result<CommandResult, Refusal> {
@@ -68,17 +66,10 @@ pub fn run(context: &Context, args: &Stability, command: &str) -> Result<Command
 }
 
 fn write_timings(folder: &Path, timings: &Timings) -> Result<(), Refusal> {
-    let path: PathBuf = folder.join(TIMINGS);
-    let fail = |e: &dyn std::fmt::Display| Refusal::Files(format!("{}: {e}", path.display()));
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    let lines = timings
-        .iter()
-        .map(|(key, s)| [key.clone(), format!("{s:.6e}")]);
-    for line in std::iter::once(["run".to_owned(), "wall_s".to_owned()]).chain(lines) {
-        writer.write_record(line).map_err(|e| fail(&e))?;
-    }
-    let text = writer.into_inner().map_err(|e| fail(&e))?;
-    write_whole(&path, text).map_err(|e| fail(&e))
+    let table =
+        gearbench_reports::stability::timings(timings.iter().map(|(key, s)| (key.clone(), *s)));
+    let path = folder.join(&table.file);
+    write_whole(&path, table.text()).map_err(|e| Refusal::Files(format!("{}: {e}", path.display())))
 }
 
 /// The sets of maps that the scene and the command line ask for.

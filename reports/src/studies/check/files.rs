@@ -2,8 +2,10 @@
 //! CSV.
 
 use super::{CheckRecord, CheckedEntry, CheckedValue, Finding, Verdict};
-use crate::csv_table::{CsvTable, exact, number};
+use crate::columns::Columns;
+use crate::csv_table::{CsvTable, exact};
 use crate::escape::markdown as markdown_text;
+use crate::markup::column::Format;
 use maud::{PreEscaped, html};
 
 /// Largest number of findings in the summary; the page has all.
@@ -112,23 +114,25 @@ pub fn tables(record: &CheckRecord) -> Vec<CsvTable> {
         .entries
         .iter()
         .flat_map(|e| e.findings.iter().map(move |f| (e, f)));
-    vec![CsvTable::new(
-        "check.csv",
-        rows,
-        &[
-            ("case", &|(e, _): &(&CheckedEntry, &Finding)| {
-                e.measured.case.clone()
-            }),
-            ("scene", &|(e, _)| e.measured.scene.clone()),
-            ("model", &|(e, _)| e.measured.model.clone()),
-            ("method", &|(e, _)| e.measured.method.clone()),
-            ("kind", &|(_, f)| f.kind.to_string()),
-            ("quantity", &|(_, f)| f.what.clone()),
-            ("now", &|(_, f)| value(&f.now)),
-            ("baseline", &|(_, f)| value(&f.before)),
-            ("change", &|(_, f)| number(f.change)),
-            ("allowed", &|(_, f)| f.allowed.clone()),
-            ("verdict", &|(_, f)| f.verdict.to_string()),
-        ],
-    )]
+    vec![columns().table(rows)]
+}
+
+/// A quantity of an entry.
+pub type Row<'a> = (&'a CheckedEntry, &'a Finding);
+
+/// Returns the columns of quantities.
+#[rustfmt::skip]
+pub fn columns<'a>() -> Columns<'a, Row<'a>> {
+    Columns::<Row<'_>>::of("check.csv", "`check`: one row per quantity.")
+        .add("case", "case of the check", |(e, _)| e.measured.case.clone())
+        .add("scene", "name of the scene", |(e, _)| e.measured.scene.clone())
+        .model(|(e, _)| e.measured.model.clone())
+        .add("method", "method with its step or tolerance", |(e, _)| e.measured.method.clone())
+        .add("kind", "`status`, `metric`, `limit`, `work`, `runtime`, `parameter` or `entry`", |(_, f)| f.kind.to_string()).shown("Kind", Format::Text)
+        .add("quantity", "key of the checked quantity", |(_, f)| f.what.clone()).shown("Quantity", Format::Text)
+        .add("now", "its value in SI units, or a text", |(_, f)| value(&f.now))
+        .add("baseline", "value in the stored baseline", |(_, f)| value(&f.before))
+        .add("change", "change over the baseline", |(_, f)| f.change).shown("Change", Format::Deviations).result()
+        .add("allowed", "allowed difference", |(_, f)| f.allowed.clone()).shown("Allowed", Format::Text)
+        .add("verdict", "`held`, `reported` (a difference that does not fail the check) or `moved`", |(_, f)| f.verdict).shown("Verdict", Format::Text)
 }

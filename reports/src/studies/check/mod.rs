@@ -6,7 +6,7 @@
 //! is that of its worst finding.
 
 mod chart;
-mod files;
+pub(super) mod files;
 mod page;
 
 pub use files::{junit, markdown};

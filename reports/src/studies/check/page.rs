@@ -1,5 +1,6 @@
 //! The page of a regression check: quantities beyond their tolerance, then all quantities.
 
+use super::files::{self, columns};
 use super::{CheckRecord, CheckedEntry, Finding, Kind, Verdict};
 use crate::markup::table::Table;
 use crate::markup::{glance, note, section};
@@ -40,6 +41,9 @@ pub fn finding(record: &CheckRecord) -> Vec<Markup> {
 }
 
 fn table(rows: &[Row<'_>]) -> Markup {
+    fn of<'a>((_, e, f): &Row<'a>) -> Option<files::Row<'a>> {
+        Some((e, f))
+    }
     let table = Table::of(rows)
         .grouped(|(i, e, _)| (e.measured.name(), *i))
         .classed(|(_, _, f)| {
@@ -49,16 +53,12 @@ fn table(rows: &[Row<'_>]) -> Markup {
                 ""
             }
         })
-        .text("Quantity", |(_, _, f)| f.what.clone())
-        .text("Kind", |(_, _, f)| f.kind.to_string())
+        .columns_by_key(&columns(), &["quantity", "kind"], of)
         .written("Now", "", |(_, _, f)| f.texts()[0].clone())
         .result()
         .written("Baseline", "", |(_, _, f)| f.texts()[1].clone())
         .result()
-        .deviations("Change", |(_, _, f)| f.change)
-        .result()
-        .text("Allowed", |(_, _, f)| f.allowed.clone())
-        .text("Verdict", |(_, _, f)| f.verdict.to_string());
+        .columns_by_key(&columns(), &["change", "allowed", "verdict"], of);
     html! { (table) }
 }
 

@@ -5,7 +5,7 @@
 //! cheapest candidate that keeps the tolerance.
 
 mod chart;
-mod csv;
+pub(super) mod csv;
 mod tables;
 
 use crate::drawing::canvas::DrawError;

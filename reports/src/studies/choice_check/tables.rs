@@ -1,5 +1,6 @@
 //! Finding and tables of choices validated on random scenes.
 
+use super::csv::columns;
 use super::{Outcome, Share, ValidatedChoice, quantile, share, shares};
 use crate::markup::table::Table;
 use crate::markup::{glance, note, section};
@@ -122,29 +123,32 @@ fn chosen(s: &ValidatedChoice) -> String {
 
 /// Returns the table of all scenes, a row each.
 pub fn scenes(choices: &[ValidatedChoice]) -> Markup {
+    let columns = columns();
     let table = Table::of(choices)
         .classed(|s| if s.outcome.is_met() { "" } else { "failed" })
-        .text("Scene", |s| s.scene.clone())
-        .text("Kind", |s| s.kind.clone())
+        .columns_by_key(&columns, &["scene", "kind"], Some)
         .text("Metric", |s| s.metric.short())
         .written("Tolerance", "%", |s| short(100.0 * s.tolerance, 2))
         .result()
         .text("Chosen", chosen)
         .result()
-        .percents("Predicted error", 2, |s| s.predicted_error)
-        .percents("Error", 2, |s| s.error)
-        .result()
+        .columns_by_key(&columns, &["predicted_error", "error"], Some)
         .written("Cost ratio", "", |s| {
             s.cost_ratio().map(|r| significant(r, 3))
         })
         .result()
-        .text("Outcome", |s| s.outcome.to_string())
-        .result()
-        .text("Against", |s| s.reference.clone())
-        .percents("Error of the yardstick", 2, |s| s.reference_error)
-        .percents("Mesh of the scene", 2, |s| s.mesh_error)
-        .percents("Mesh and contact of the scene", 2, |s| s.given_error)
-        .percents("Error against finite elements", 2, |s| s.full_error);
+        .columns_by_key(
+            &columns,
+            &[
+                "outcome",
+                "reference",
+                "reference_error",
+                "mesh_error",
+                "given_error",
+                "full_error",
+            ],
+            Some,
+        );
     let remark = note(
         "Error of the yardstick: its change by twice the step or fewer modes. Mesh of the scene, mesh and contact: \
          their error against the yardstick with as many modes, the first with its contact. Finite elements: full ones, on a mesh three \

@@ -1,7 +1,7 @@
 //! The study of model choice: requirement, hierarchy of models, candidates that were run on a window, and the choice.
 
 mod chart;
-mod csv;
+pub(super) mod csv;
 mod tables;
 mod verdict;
 

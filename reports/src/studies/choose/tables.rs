@@ -1,5 +1,6 @@
 //! Finding and tables of a model choice: choice, reasons, hierarchy of models and candidates.
 
+use super::csv::{self, levels};
 use super::{Adequacy, ChoiceRecord, ForceStatistics, LevelRecord, Verdict};
 use crate::markup::table::Table;
 use crate::markup::{glance, note, prose, section};
@@ -104,11 +105,11 @@ fn hierarchy(choice: &ChoiceRecord) -> Markup {
             (None, None) if r.adequate != Adequacy::Adequate => "inaccurate",
             _ => "",
         })
-        .text("Level", |r| r.name.clone())
-        .percents("Distance to the yardstick", 2, |r| r.distance)
-        .percents("Distance to the next level", 2, |r| r.step_up)
-        .percents("Estimated error", 2, |r| r.error)
-        .result()
+        .columns_by_key(
+            &levels(),
+            &["level", "distance", "step_up", "estimated_error"],
+            |l| Some((choice, *l)),
+        )
         .text("Cheapest adequate integrator", |r| {
             cheapest(r).map(|t| t.method())
         })
@@ -143,17 +144,9 @@ fn statistics(levels: &[&LevelRecord]) -> Markup {
     if known.is_empty() {
         return Markup::default();
     }
-    let force = |x: f64| Some(quantity(x, "N", 3));
     let table = Table::of(&known)
         .text("Level", |(name, _)| (*name).to_owned())
-        .written("Force, rms", "", |(_, s)| force(s.rms_n))
-        .result()
-        .written("Spells of contact", "", |(_, s)| s.spells.to_string())
-        .written("Peak of a spell, median", "", |(_, s)| {
-            force(s.median_peak_n)
-        })
-        .result()
-        .written("Greatest peak", "", |(_, s)| force(s.greatest_peak_n));
+        .columns(&csv::statistics(), |(_, s)| Some(*s));
     html! {
         (table)
         (note("The history of the contact force does not repeat: only its statistics on the window can be compared between levels. \

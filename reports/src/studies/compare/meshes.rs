@@ -1,6 +1,8 @@
 //! Contact forces of the meshes of a scene with several: a table and its CSV file.
 
-use crate::csv_table::{CsvTable, number};
+use crate::columns::Columns;
+use crate::csv_table::CsvTable;
+use crate::markup::column::Format;
 use crate::markup::table::Table;
 use crate::markup::{note, section};
 use crate::numbers::quantity;
@@ -11,9 +13,9 @@ use maud::{Markup, html};
 /// Returns the table of the runs whose histories are drawn, one of each model.
 pub fn table(view: &View<'_>) -> Markup {
     let drawn = view.groups.iter().filter_map(|g| Some((g, view.drawn(g)?)));
-    let rows: Vec<(&str, usize, &MeshForce)> = drawn
+    let rows: Vec<(&str, usize, &Run, &MeshForce)> = drawn
         .flat_map(|(g, (_, run))| {
-            let of = |m| (g.label.as_str(), g.style, m);
+            let of = |m| (g.label.as_str(), g.style, *run, m);
             run.mesh_forces.iter().map(of)
         })
         .collect();
@@ -24,23 +26,9 @@ pub fn table(view: &View<'_>) -> Markup {
     let ripple = above.map_or("Ripple".into(), |f| {
         format!("Ripple above {}", quantity(f, "Hz", 3))
     });
-    let force = |x: Option<f64>| x.map(|x| quantity(x, "N", 4));
-    let mut table = Table::of(&rows)
-        .grouped(|(label, style, _)| ((*label).to_owned(), *style))
-        .text("Mesh", |(.., m)| m.gears.join(" - "))
-        .written("Peak force", "", |(.., m)| force(m.peak_force_n))
-        .result()
-        .written("Root mean square", "", |(.., m)| force(m.rms_force_n))
-        .result()
-        .written("First contact", "", |(.., m)| {
-            m.first_contact_s.map(|t| quantity(t, "s", 4))
-        })
-        .result();
-    if rows.iter().any(|(.., m)| m.ripple_rms_n.is_some()) {
-        table = table
-            .written(&ripple, "", |(.., m)| force(m.ripple_rms_n))
-            .result();
-    }
+    let table = Table::of(&rows)
+        .grouped(|(label, style, ..)| ((*label).to_owned(), *style))
+        .columns(&columns(&ripple), |(.., run, m)| Some((*run, *m)));
     section(
         "Forces of the meshes",
         html! {
@@ -53,28 +41,29 @@ pub fn table(view: &View<'_>) -> Markup {
 
 /// Returns the CSV file with the forces of all meshes of all runs.
 pub fn csv(view: &View<'_>) -> Vec<CsvTable> {
-    type Row<'a> = (&'a Run, &'a MeshForce);
-    let rows: Vec<Row<'_>> = view.results.runs.iter().flat_map(pairs).collect();
-    if rows.is_empty() {
-        return Vec::new();
+    let runs = view.results.runs.iter();
+    let rows: Vec<Row<'_>> = runs
+        .flat_map(|r| r.mesh_forces.iter().map(move |m| (r, m)))
+        .collect();
+    match rows.is_empty() {
+        true => Vec::new(),
+        false => vec![columns("").table(rows)],
     }
-    vec![CsvTable::new::<Row<'_>>(
-        "mesh_forces.csv",
-        rows,
-        &[
-            ("model", &|(r, _)| r.model_label()),
-            ("integrator", &|(r, _)| r.integrator.clone()),
-            ("mesh_name", &|(_, m)| m.gears.join(" - ")),
-            ("peak_force_n", &|(_, m)| number(m.peak_force_n)),
-            ("rms_force_n", &|(_, m)| number(m.rms_force_n)),
-            ("first_contact_s", &|(_, m)| number(m.first_contact_s)),
-            ("ripple_rms_n", &|(_, m)| number(m.ripple_rms_n)),
-            ("ripple_above_hz", &|(_, m)| number(m.ripple_above_hz)),
-        ],
-    )]
 }
 
-/// Returns each pair of a run and one of its meshes.
-fn pairs(run: &Run) -> Vec<(&Run, &MeshForce)> {
-    run.mesh_forces.iter().map(|m| (run, m)).collect()
+/// A mesh of a run.
+type Row<'a> = (&'a Run, &'a MeshForce);
+
+/// Returns the columns of a mesh; `ripple` is the heading of its ripple on the page.
+#[rustfmt::skip]
+pub fn columns<'a>(ripple: &str) -> Columns<'a, Row<'a>> {
+    Columns::<Row<'_>>::of("mesh_forces.csv", "`compare` of scenes with several meshes: one row per run and mesh.")
+        .model(|(r, _)| r.model_label())
+        .integrator(|(r, _)| r.integrator.clone())
+        .add("mesh_name", "names of both gears of the mesh", |(_, m)| m.gears.join(" - ")).shown("Mesh", Format::Text)
+        .add("peak_force_n", "greatest contact force", |(_, m)| m.peak_force_n).shown("Peak force", Format::Quantities(4)).result()
+        .add("rms_force_n", "root mean square of the contact force over the time of the run", |(_, m)| m.rms_force_n).shown("Root mean square", Format::Quantities(4)).result()
+        .add("first_contact_s", "duration of the first contact, from the first touch until no tooth pair touches", |(_, m)| m.first_contact_s).shown("First contact", Format::Quantities(4)).result()
+        .add("ripple_rms_n", "root mean square over the run of the part of the force above `ripple_above_hz`, by discrete Fourier transform", |(_, m)| m.ripple_rms_n).shown(ripple, Format::Quantities(4)).result()
+        .add("ripple_above_hz", "the key `ripple_above_hz` of the scene", |(_, m)| m.ripple_above_hz)
 }

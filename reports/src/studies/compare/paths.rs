@@ -1,15 +1,17 @@
 //! Paths of torque and power in a train, and load sharing of planets: tables, a chart over time, CSV files.
 
-use crate::csv_table::{CsvTable, number};
+use crate::columns::Columns;
+use crate::csv_table::CsvTable;
 use crate::drawing::Chart;
 use crate::drawing::axis::Axis;
 use crate::drawing::canvas::{DrawError, Ink, Stroke};
 use crate::drawing::legend::Entry;
 use crate::drawing::panel::{Curve, Panel, chart};
 use crate::drawing::style::curve_style;
+use crate::markup::column::Format;
 use crate::markup::table::Table;
 use crate::markup::{note, section};
-use crate::numbers::{Prefix, per_cent, quantity, significant};
+use crate::numbers::{Prefix, per_cent, quantity};
 use crate::record::{MemberPath, MeshPath, PlanetShare, Run, ShaftPath, Sharing, TorquePaths};
 use crate::view::View;
 use maud::{Markup, html};
@@ -52,21 +54,12 @@ fn rows<'a, R>(
     all.iter().flat_map(each).collect()
 }
 
-/// Formats a number with four digits; magnitudes below 1e-6 are zero.
-fn four_digits(x: f64) -> String {
-    match x.abs() < 1e-6 {
-        true => "0".into(),
-        false => significant(x, 4),
-    }
-}
-
 /// Returns the tables of torque paths; empty for a scene without train and shafts.
 pub fn tables(view: &View<'_>) -> Markup {
     let all = runs_with_paths(view);
     let Some(first) = all.first() else {
         return Markup::default();
     };
-    let watt = |x: f64| quantity(x, "W", 4);
     let unsettled: Vec<String> = (all.iter())
         .filter(|s| !s.paths.has_settled())
         .map(|s| {
@@ -80,50 +73,19 @@ pub fn tables(view: &View<'_>) -> Markup {
         })
         .collect();
     let settled: Vec<&RunWithPaths<'_>> = all.iter().filter(|s| s.paths.has_settled()).collect();
-    let meshes = rows(&settled, |p| &p.meshes);
-    let of_meshes = Table::of(&meshes)
+    let of_runs = rows(&settled, |p| &p.meshes);
+    let of_meshes = Table::of(&of_runs)
         .grouped(|(s, _)| (s.label.to_owned(), s.style))
-        .text("Mesh", |(_, m)| m.gears.join(" - "))
-        .written("Mean force", "N", |(_, m)| four_digits(m.force_n))
-        .result()
-        .written("Torque on the first gear", "N m", |(_, m)| {
-            four_digits(m.torque_nm[0])
-        })
-        .result()
-        .written("on the second", "N m", |(_, m)| four_digits(m.torque_nm[1]))
-        .result()
-        .text("Power", |(_, m)| watt(m.power_w))
-        .result()
-        .percents("of the input", 3, |(_, m)| m.share)
-        .result()
-        .text("Rolling power", |(_, m)| m.rolling_w.map(watt))
-        .text("Lost", |(_, m)| watt(m.loss_w));
-    let members = rows(&settled, |p| &p.members);
-    let of_members = Table::of(&members)
+        .columns(&meshes(), |(s, m)| Some((s.run, *m)));
+    let of_runs = rows(&settled, |p| &p.members);
+    let of_members = Table::of(&of_runs)
         .grouped(|(s, _)| (s.label.to_owned(), s.style))
-        .text("Gear or body", |(_, m)| m.name.clone())
-        .written("Mean speed", "rad/s", |(_, m)| four_digits(m.speed_rad_s))
-        .result()
-        .written("Loads", "N m", |(_, m)| four_digits(m.load_nm))
-        .result()
-        .written("Mount or drive", "N m", |(_, m)| four_digits(m.mount_nm))
-        .result()
-        .written("Contacts", "N m", |(_, m)| four_digits(m.contact_nm))
-        .result()
-        .text("Power of loads and drive", |(_, m)| watt(m.power_w))
-        .result()
-        .written("Bearing or pin, mean", "N", |(_, m)| {
-            four_digits(m.bearing_n)
-        })
-        .result();
-    let shafts = rows(&settled, |p| &p.shafts);
-    let of_shafts = Table::of(&shafts)
+        .columns(&members(), |(s, m)| Some((s.run, *m)));
+    let sections = rows(&settled, |p| &p.shafts);
+    let of_shafts = Table::of(&sections)
         .grouped(|(s, _)| (s.label.to_owned(), s.style))
         .text("Shaft", |(_, s)| s.between.join(" - "))
-        .written("Mean torque", "N m", |(_, s)| four_digits(s.torque_nm))
-        .result()
-        .text("Power", |(_, s)| watt(s.power_w))
-        .result();
+        .columns(&shafts(), |(s, m)| Some((s.run, *m)));
     let balances = Table::of(&all)
         .text("Model", |s| s.label.to_owned())
         .text("Work put in", |s| quantity(s.paths.work_in_j, "J", 5))
@@ -146,7 +108,7 @@ pub fn tables(view: &View<'_>) -> Markup {
     html! {
         (section("Paths of torque", html! {
             @if !settled.is_empty() { (of_meshes) (note(window)) (of_members) }
-            @if !shafts.is_empty() { (of_shafts) }
+            @if !sections.is_empty() { (of_shafts) }
             @for text in &unsettled { (note(text)) }
         }))
         (sharing(&settled))
@@ -168,21 +130,7 @@ fn sharing(all: &[&RunWithPaths<'_>]) -> Markup {
     }
     let table = Table::of(&rows)
         .grouped(|(s, of, _)| (format!("{}: planets on {}", s.label, of.gear), s.style))
-        .text("Planet", |(.., p)| p.planet.clone())
-        .percents("Share, mean", 4, |(.., p)| p.mean)
-        .result()
-        .percents("least", 4, |(.., p)| p.least)
-        .result()
-        .percents("greatest", 4, |(.., p)| p.greatest)
-        .result()
-        .written("K\u{3b3} of the means", "", |(_, of, _)| {
-            significant(of.factor, 4)
-        })
-        .result()
-        .written("greatest K\u{3b3}", "", |(_, of, _)| {
-            significant(of.factor_greatest, 4)
-        })
-        .result();
+        .columns(&load_sharing(), |(s, of, p)| Some((s.run, *of, *p)));
     section(
         "Load sharing of planets",
         html! {
@@ -287,7 +235,6 @@ pub fn csv(view: &View<'_>) -> Vec<CsvTable> {
     let runs: Vec<(&Run, &TorquePaths)> = (view.results.runs.iter())
         .filter_map(|r| Some((r, r.paths.as_ref().filter(|p| p.has_settled())?)))
         .collect();
-    type Of<'a, R> = (&'a Run, &'a R);
     fn all<'a, R>(
         runs: &[(&'a Run, &'a TorquePaths)],
         of: fn(&TorquePaths) -> &[R],
@@ -301,77 +248,81 @@ pub fn csv(view: &View<'_>) -> Vec<CsvTable> {
     if runs.is_empty() {
         return Vec::new();
     }
-    let meshes = CsvTable::new::<Of<'_, MeshPath>>(
-        "torque_paths.csv",
-        all(&runs, |p| &p.meshes),
-        &[
-            ("model", &|(r, _)| r.model_label()),
-            ("integrator", &|(r, _)| r.integrator.clone()),
-            ("mesh_name", &|(_, m)| m.gears.join(" - ")),
-            ("mean_force_n", &|(_, m)| number(m.force_n)),
-            ("torque_1_nm", &|(_, m)| number(m.torque_nm[0])),
-            ("torque_2_nm", &|(_, m)| number(m.torque_nm[1])),
-            ("power_w", &|(_, m)| number(m.power_w)),
-            ("power_share", &|(_, m)| number(m.share)),
-            ("rolling_power_w", &|(_, m)| number(m.rolling_w)),
-            ("loss_w", &|(_, m)| number(m.loss_w)),
-        ],
-    );
-    let members = CsvTable::new::<Of<'_, MemberPath>>(
-        "torque_members.csv",
-        all(&runs, |p| &p.members),
-        &[
-            ("model", &|(r, _)| r.model_label()),
-            ("integrator", &|(r, _)| r.integrator.clone()),
-            ("member", &|(_, m)| m.name.clone()),
-            ("speed_rad_s", &|(_, m)| number(m.speed_rad_s)),
-            ("load_nm", &|(_, m)| number(m.load_nm)),
-            ("mount_nm", &|(_, m)| number(m.mount_nm)),
-            ("contact_nm", &|(_, m)| number(m.contact_nm)),
-            ("power_w", &|(_, m)| number(m.power_w)),
-            ("bearing_n", &|(_, m)| number(m.bearing_n)),
-            ("work_j", &|(_, m)| number(m.work_j)),
-        ],
-    );
-    let mut tables = vec![meshes, members];
-    let shafts = all(&runs, |p| &p.shafts);
-    if !shafts.is_empty() {
-        tables.push(CsvTable::new::<Of<'_, ShaftPath>>(
-            "torque_shafts.csv",
-            shafts,
-            &[
-                ("model", &|(r, _)| r.model_label()),
-                ("integrator", &|(r, _)| r.integrator.clone()),
-                ("station_1", &|(_, s)| s.between[0].clone()),
-                ("station_2", &|(_, s)| s.between[1].clone()),
-                ("torque_nm", &|(_, s)| number(s.torque_nm)),
-                ("power_w", &|(_, s)| number(s.power_w)),
-            ],
-        ));
+    let mut tables = vec![
+        meshes().table(all(&runs, |p| &p.meshes)),
+        members().table(all(&runs, |p| &p.members)),
+    ];
+    let of_shafts = all(&runs, |p| &p.shafts);
+    if !of_shafts.is_empty() {
+        tables.push(shafts().table(of_shafts));
     }
-    let shares: Vec<(&Run, &Sharing, &PlanetShare)> = all(&runs, |p| &p.sharing)
+    let shares: Vec<Share<'_>> = all(&runs, |p| &p.sharing)
         .into_iter()
         .flat_map(|(r, s)| s.planets.iter().map(move |p| (r, s, p)))
         .collect();
     if !shares.is_empty() {
-        tables.push(CsvTable::new::<(&Run, &Sharing, &PlanetShare)>(
-            "load_sharing.csv",
-            shares,
-            &[
-                ("model", &|(r, ..)| r.model_label()),
-                ("integrator", &|(r, ..)| r.integrator.clone()),
-                ("carrier", &|(_, s, _)| s.carrier.clone()),
-                ("gear", &|(_, s, _)| s.gear.clone()),
-                ("planet", &|(.., p)| p.planet.clone()),
-                ("share_mean", &|(.., p)| number(p.mean)),
-                ("share_least", &|(.., p)| number(p.least)),
-                ("share_greatest", &|(.., p)| number(p.greatest)),
-                ("sharing_factor", &|(_, s, _)| number(s.factor)),
-                ("sharing_factor_greatest", &|(_, s, _)| {
-                    number(s.factor_greatest)
-                }),
-            ],
-        ));
+        tables.push(load_sharing().table(shares));
     }
     tables
+}
+
+/// A part of the paths of a run.
+type Of<'a, R> = (&'a Run, &'a R);
+/// A planet of a run.
+type Share<'a> = (&'a Run, &'a Sharing, &'a PlanetShare);
+
+#[rustfmt::skip]
+pub fn meshes<'a>() -> Columns<'a, Of<'a, MeshPath>> {
+    Columns::<Of<'_, MeshPath>>::of("torque_paths.csv", "`compare` of scenes with a train or shafts: one row per run and mesh. All means are over the second half of the run.")
+        .model(|(r, _)| r.model_label())
+        .integrator(|(r, _)| r.integrator.clone())
+        .add("mesh_name", "names of both gears of the mesh", |(_, m)| m.gears.join(" - ")).shown("Mesh", Format::Text)
+        .add("mean_force_n", "mean contact force", |(_, m)| m.force_n).shown("Mean force", Format::Fixed(4)).result()
+        .add("torque_1_nm", "mean torque of the mesh on its first gear about that gear's axis; of a rack the force along its motion in N", |(_, m)| m.torque_nm[0]).shown("Torque on the first gear", Format::Fixed(4)).result()
+        .add("torque_2_nm", "mean torque of the mesh on its second gear", |(_, m)| m.torque_nm[1]).shown("on the second", Format::Fixed(4)).result()
+        .add("power_w", "mean power that the first gear (of a planet its mate) delivers in space", |(_, m)| m.power_w).shown("Power", Format::Quantities(4)).result()
+        .add("power_share", "its magnitude over the input power of all loads and drives", |(_, m)| m.share).shown("of the input", Format::Percents(3)).result()
+        .add("rolling_power_w", "mean power from gear to gear in the frame of the carrier of a planetary set", |(_, m)| m.rolling_w).shown("Rolling power", Format::Quantities(4))
+        .add("loss_w", "mean power loss in the contacts of the mesh", |(_, m)| m.loss_w).shown("Lost", Format::Quantities(4))
+}
+
+#[rustfmt::skip]
+pub fn members<'a>() -> Columns<'a, Of<'a, MemberPath>> {
+    Columns::<Of<'_, MemberPath>>::of("torque_members.csv", "`compare` of scenes with a train or shafts: one row per run and gear or body. All means are over the second half of the run.")
+        .model(|(r, _)| r.model_label())
+        .integrator(|(r, _)| r.integrator.clone())
+        .add("member", "gear or body", |(_, m)| m.name.clone()).shown("Gear or body", Format::Text)
+        .add("speed_rad_s", "mean speed", |(_, m)| m.speed_rad_s).shown("Mean speed", Format::Fixed(4)).result()
+        .add("load_nm", "mean torque of its loads", |(_, m)| m.load_nm).shown("Loads", Format::Fixed(4)).result()
+        .add("mount_nm", "mean torque of its mount or drive", |(_, m)| m.mount_nm).shown("Mount or drive", Format::Fixed(4)).result()
+        .add("contact_nm", "mean torque of all its contacts", |(_, m)| m.contact_nm).shown("Contacts", Format::Fixed(4)).result()
+        .add("power_w", "mean power of its loads and drive", |(_, m)| m.power_w).shown("Power of loads and drive", Format::Quantities(4)).result()
+        .add("bearing_n", "mean magnitude of the force of its bearing or pin", |(_, m)| m.bearing_n).shown("Bearing or pin, mean", Format::Fixed(4)).result()
+        .add("work_j", "work of its loads and drive over the whole run", |(_, m)| m.work_j)
+}
+
+#[rustfmt::skip]
+pub fn shafts<'a>() -> Columns<'a, Of<'a, ShaftPath>> {
+    Columns::<Of<'_, ShaftPath>>::of("torque_shafts.csv", "`compare` of scenes with shafts: one row per run and section of a shaft. All means are over the second half of the run.")
+        .model(|(r, _)| r.model_label())
+        .integrator(|(r, _)| r.integrator.clone())
+        .add("station_1", "first member of the section: gear or body", |(_, s)| s.between[0].clone())
+        .add("station_2", "second member of the section", |(_, s)| s.between[1].clone())
+        .add("torque_nm", "mean torque that the first member exerts on the second", |(_, s)| s.torque_nm).shown("Mean torque", Format::Fixed(4)).result()
+        .add("power_w", "mean power through the shaft", |(_, s)| s.power_w).shown("Power", Format::Quantities(4)).result()
+}
+
+#[rustfmt::skip]
+pub fn load_sharing<'a>() -> Columns<'a, Share<'a>> {
+    Columns::<Share<'_>>::of("load_sharing.csv", "`compare` of scenes with carriers: one row per run, gear and planet that meshes with it.")
+        .model(|(r, ..)| r.model_label())
+        .integrator(|(r, ..)| r.integrator.clone())
+        .add("carrier", "carrier of planets that share a load", |(_, s, _)| s.carrier.clone())
+        .add("gear", "gear that all of them mesh with", |(_, s, _)| s.gear.clone())
+        .add("planet", "one of them", |(.., p)| p.planet.clone()).shown("Planet", Format::Text)
+        .add("share_mean", "mean force of its mesh over the sum of those of all", |(.., p)| p.mean).shown("Share, mean", Format::Percents(4)).result()
+        .add("share_least", "least momentary share", |(.., p)| p.least).shown("least", Format::Percents(4)).result()
+        .add("share_greatest", "greatest momentary share", |(.., p)| p.greatest).shown("greatest", Format::Percents(4)).result()
+        .add("sharing_factor", "load sharing factor of the mean forces: number of planets times the largest over their sum", |(_, s, _)| s.factor).shown("K\u{3b3} of the means", Format::Fixed(4)).result()
+        .add("sharing_factor_greatest", "greatest momentary load sharing factor", |(_, s, _)| s.factor_greatest).shown("greatest K\u{3b3}", Format::Fixed(4)).result()
 }

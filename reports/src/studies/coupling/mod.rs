@@ -1,7 +1,7 @@
 //! The study of coupling: gears as a sub-system whose hubs are moved by a host, over the communication step.
 
 mod charts;
-mod csv;
+pub(super) mod csv;
 mod record;
 mod tables;
 

@@ -1,5 +1,6 @@
 //! Finding and tables of a study of coupling.
 
+use super::csv::columns;
 use super::{Coupling, CouplingCell, Extrapolation, models};
 use crate::markup::table::Table;
 use crate::markup::{glance, note, section};
@@ -134,18 +135,7 @@ pub fn tables(couplings: &[Coupling]) -> Markup {
     let cells = Table::of(&all)
         .grouped(|(c, _)| (format!("{}, {}", c.model_label(), c.manner()), style(c)))
         .classed(|(_, x)| if x.status.is_failure() { "failed" } else { "" })
-        .written("Communication step", "", |(_, x)| {
-            quantity(x.step_s, "s", 3)
-        })
-        .text("Status", |(_, x)| x.status.to_string())
-        .percents("Force, L2", 3, |(_, x)| x.force_l2)
-        .result()
-        .percents("Speeds at the end", 3, |(_, x)| x.rebound_rel)
-        .result()
-        .percents("Energy error", 3, |(_, x)| x.energy_error_rel)
-        .result()
-        .percents("Largest in a step", 3, |(_, x)| x.energy_error_step_rel)
-        .text("Why", |(_, x)| x.message.clone().unwrap_or_default());
+        .columns(&columns(), |row| Some(*row));
     let energy: Vec<String> = (couplings.iter())
         .filter_map(|c| c.energy_j.map(|e| (c.model_label(), e)))
         .fold(Vec::new(), |mut told, (label, e)| {

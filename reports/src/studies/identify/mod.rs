@@ -2,7 +2,7 @@
 //! parameters.
 
 mod charts;
-mod csv;
+pub(super) mod csv;
 mod record;
 mod tables;
 

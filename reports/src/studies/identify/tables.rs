@@ -1,5 +1,6 @@
 //! Finding and tables of an identification.
 
+use super::csv::{fitted, parameters};
 use super::{DataKind, DataRecord, FitRecord, Outcome, ParameterRecord};
 use crate::markup::table::Table;
 use crate::markup::{glance, note, section};
@@ -48,8 +49,7 @@ pub fn tables(fits: &[FitRecord]) -> Markup {
     let estimates = Table::of(&rows)
         .grouped(|(i, f, _)| (f.label.clone(), *i))
         .text("Parameter", |(.., p)| p.name.clone())
-        .text("Outcome", |(.., p)| p.outcome.to_string())
-        .result()
+        .columns_by_key(&parameters(), &["outcome"], |(_, f, p)| Some((*f, *p)))
         .written("Value", "", |(.., p)| {
             p.value.map(|x| quantity(x, &p.unit, 5))
         })
@@ -58,27 +58,31 @@ pub fn tables(fits: &[FitRecord]) -> Markup {
         .result()
         .percents("Half width", 2, |(.., p)| p.relative())
         .result()
-        .numbers("Degrees of freedom", "", 3, |(.., p)| p.freedom)
-        .text("Key", |(.., p)| p.key.clone());
+        .columns_by_key(&parameters(), &["freedom", "parameter"], |(_, f, p)| {
+            Some((*f, *p))
+        });
     let sets: Vec<(usize, &FitRecord, &DataRecord)> = (fits.iter().enumerate())
         .flat_map(|(i, f)| f.data.iter().map(move |d| (i, f, d)))
         .collect();
     let data = Table::of(&sets)
         .grouped(|(i, f, _)| (f.label.clone(), *i))
-        .text("Data", |(.., d)| d.name.clone())
+        .columns_by_key(&fitted(), &["against"], |(_, f, d)| Some((*f, *d)))
         .text("Use", |(.., d)| {
             if d.validation { "validation" } else { "fitted" }.to_owned()
         })
         .result()
         .text("What", |(.., d)| d.kind.to_string())
-        .percents("Error, L2", 3, |(.., d)| d.l2)
-        .result()
-        .deviations("Peak", |(.., d)| d.peak_rel)
-        .result()
-        .deviations("Impulse", |(.., d)| d.impulse_rel)
-        .result()
-        .numbers("Residuals, lag 1", "", 3, |(.., d)| d.correlation_lag1)
-        .numbers("Weight", "", 3, |(.., d)| d.weight);
+        .columns_by_key(
+            &fitted(),
+            &[
+                "error_l2",
+                "peak_force_rel",
+                "impulse_rel",
+                "correlation_lag1",
+                "weight",
+            ],
+            |(_, f, d)| Some((*f, *d)),
+        );
     html! {
         (glance("Estimates", html! {
             (estimates)

@@ -1,7 +1,7 @@
 //! The study of natural frequencies: frequencies and damping, distribution of the energies, and mode shapes.
 
 mod charts;
-mod csv;
+pub(super) mod csv;
 mod record;
 mod tables;
 

@@ -1,9 +1,10 @@
 //! Finding and tables of natural frequencies.
 
+use super::csv::{Mode, frequencies};
 use super::{LinearisedState, ModeRecord, ModelModes};
 use crate::markup::table::Table;
 use crate::markup::{glance, note, prose, section};
-use crate::numbers::{per_cent, quantity, short};
+use crate::numbers::{per_cent, quantity};
 use maud::{Markup, html};
 
 /// Share of an energy from which on its holder is named.
@@ -48,28 +49,33 @@ fn largest<'a>(names: impl Iterator<Item = &'a String>, shares: &[f64]) -> Strin
 }
 
 pub fn tables(vibrations: &[ModelModes]) -> Markup {
-    let rows: Vec<(usize, &ModelModes, usize, &ModeRecord)> = (vibrations.iter().enumerate())
+    type Row<'a> = (usize, &'a ModelModes, usize, &'a ModeRecord);
+    let rows: Vec<Row<'_>> = (vibrations.iter().enumerate())
         .flat_map(|(k, v)| (v.modes.iter().enumerate()).map(move |(i, m)| (k, v, i + 1, m)))
         .collect();
+    fn of<'a>((_, v, i, m): &Row<'a>) -> Option<Mode<'a>> {
+        Some((v, *i, m))
+    }
     let modes = Table::of(&rows)
         .grouped(|(k, v, ..)| (v.label.clone(), *k))
-        .written("Mode", "", |(_, _, i, _)| i.to_string())
-        .written("Frequency", "Hz", |(.., m)| short(m.frequency_hz, 5))
-        .result()
-        .written("Times", "", |(.., m)| m.multiplicity.to_string())
-        .percents("Damping ratio", 3, |(.., m)| m.damping_ratio)
-        .result()
-        .text("What it is", |(.., m)| m.name.clone())
-        .result()
+        .columns_by_key(
+            &frequencies(),
+            &[
+                "mode",
+                "frequency_hz",
+                "multiplicity",
+                "damping_ratio",
+                "mode_name",
+            ],
+            of,
+        )
         .text("Strain energy", |(_, v, _, m)| {
             largest(v.springs.iter(), &m.strain)
         })
         .text("Kinetic energy", |(_, v, _, m)| {
             largest(v.members.iter().map(|p| &p.name), &m.kinetic)
         })
-        .written("Frequency, damped", "Hz", |(.., m)| {
-            m.damped_frequency_hz.map(|f| short(f, 5))
-        });
+        .columns_by_key(&frequencies(), &["damped_frequency_hz"], of);
     let states: Vec<(usize, &ModelModes)> = vibrations.iter().enumerate().collect();
     let state = Table::of(&states)
         .text("Model", |(_, v)| v.label.clone())

@@ -1,7 +1,7 @@
 //! The study of penalties: force, impulse and transmission error over the penalty of a contact.
 
 mod charts;
-mod csv;
+pub(super) mod csv;
 mod tables;
 
 use crate::drawing::canvas::DrawError;

@@ -1,6 +1,7 @@
 //! Finding and table of a study of penalties.
 
 use super::charts::{Series, series};
+use super::csv::columns;
 use crate::markup::table::Table;
 use crate::markup::{glance, note};
 use crate::numbers::{per_cent, power};
@@ -107,7 +108,10 @@ pub fn tables(view: &View<'_>) -> Markup {
     }
     type Field = fn(&Run) -> Option<f64>;
     type Row<'a> = (&'a Series<'a>, &'a Run);
-    let get = |f: Field| move |(_, r): &Row<'_>| f(r).filter(|_| !r.status.is_failure());
+    let columns = columns();
+    fn ended<'a>((_, r): &Row<'a>) -> Option<&'a Run> {
+        (!r.status.is_failure()).then_some(r)
+    }
     let off = |f: Field| {
         move |(s, r): &Row<'_>| {
             let soft = !r.status.is_failure() && r.hard != Some(true);
@@ -120,14 +124,14 @@ pub fn tables(view: &View<'_>) -> Markup {
         .written("Penalty", "Pa/m", |(_, r)| {
             (r.penalty_pa_per_m).map_or_else(|| "hard".into(), |p| power(p, 2))
         })
-        .text("Status", |(_, r)| r.status.to_string())
-        .numbers("Peak force", "N", 5, get(peak))
+        .columns_by_key(&columns, &["status"], |(_, r)| Some(*r))
+        .columns_by_key(&columns, &["peak_force_n"], ended)
         .deviations("Peak force, off", off(peak))
         .result()
-        .numbers("Impulse", "N s", 5, get(impulse))
+        .columns_by_key(&columns, &["impulse_ns"], ended)
         .deviations("Impulse, off", off(impulse))
         .result()
-        .numbers("Static TE, mean", "m", 5, get(still))
+        .columns_by_key(&columns, &["static_transmission_error_m"], ended)
         .deviations("Static TE, mean, off", off(still))
         .result();
     let remark = "Off: deviation from hard contact. TE: transmission error at rest under the load of the settings.";

@@ -1,12 +1,14 @@
 //! CSV table of cost and error of all runs against all references.
 
 use super::{Cost, Precision, WorkPrecision, WorkPrecisionPoint};
-use crate::csv_table::{CsvColumn, CsvTable, number, text};
+use crate::columns::Columns;
+use crate::csv_table::CsvTable;
 use crate::metrics::Metric;
 use crate::record::{Metrics, Results, Run, SELF};
-use crate::studies::runs::work;
+use crate::studies::runs::{identity, work};
 
-type Row<'a> = (&'a Run, &'a Metrics);
+/// A run with its metrics against a reference, and whether it is on the front.
+type Row<'a> = (&'a Run, &'a Metrics, bool);
 
 /// Returns the table with a row per run and reference.
 pub fn tables(results: &Results) -> Vec<CsvTable> {
@@ -16,47 +18,35 @@ pub fn tables(results: &Results) -> Vec<CsvTable> {
         .map(|id| study.cloud(id, study.headline_against(id), Cost::Processor))
         .collect();
     // The front of each reference, of the model's own converged solution that of each model.
-    let on_front = |(r, m): &Row<'_>| {
+    let on_front = |r: &Run, m: &Metrics| {
         let own = |s: &WorkPrecisionPoint<'_>| {
             m.against != SELF || s.run.model_label() == r.model_label()
         };
         let Some(cloud) = clouds.iter().find(|c| c.against == m.against) else {
-            return false.to_string();
+            return false;
         };
         let front = cloud.front(own);
         let mut runs = front.iter().map(|i| cloud.shown[*i].run);
-        runs.any(|run| std::ptr::eq(run, *r)).to_string()
+        runs.any(|run| std::ptr::eq(run, r))
     };
     let none = Metrics::default();
     let rows = results.runs.iter().flat_map(|r| {
         let alone = r.metrics.is_empty().then_some(&none);
         r.metrics.iter().chain(alone).map(move |m| (r, m))
     });
-    let errors: Vec<Metric> = (Metric::ALL.into_iter()).filter(|m| m.is_error()).collect();
-    let cells: Vec<_> = (errors.iter())
-        .map(|e| move |(_, m): &Row<'_>| number(m.get(*e)))
-        .collect();
-    let mut columns: Vec<CsvColumn<'_, Row<'_>>> = vec![
-        ("model", &|(r, _)| r.model_label()),
-        ("modes", &|(r, _)| text(&r.modes)),
-        ("integrator", &|(r, _)| r.integrator.clone()),
-        ("step_s", &|(r, _)| number(r.step)),
-        ("rtol", &|(r, _)| number(r.rtol)),
-        ("status", &|(r, _)| r.status.to_string()),
-        ("fitted_to", &|(r, _)| text(&r.fitted_to)),
-        ("against", &|(_, m)| m.against.clone()),
-        ("on_front", &on_front),
-    ];
-    for (metric, cell) in errors.iter().zip(&cells) {
-        columns.push((metric.key(), cell));
-    }
-    let work = work();
-    let of_run: Vec<_> = (work.iter())
-        .map(|(_, cell)| move |(r, _): &Row<'_>| cell(r))
-        .collect();
-    for ((name, _), cell) in work.iter().zip(&of_run) {
-        columns.push((name, cell));
-    }
-    columns.push(("message", &|(r, _)| text(&r.message)));
-    vec![CsvTable::new("precision.csv", rows, &columns)]
+    let rows = rows.map(|(r, m)| (r, m, on_front(r, m)));
+    vec![columns().table(rows)]
+}
+
+#[rustfmt::skip]
+pub fn columns<'a>() -> Columns<'a, Row<'a>> {
+    let columns = Columns::<Row<'_>>::of("precision.csv", "`precision`: one row per run and reference.")
+        .join(identity().only(&["model", "modes", "integrator", "step_s", "rtol", "status", "fitted_to"]), |(r, ..)| Some(*r))
+        .against(|(_, m, _)| m.against.clone())
+        .add("on_front", "no run of the record is both cheaper and more accurate", |(.., on_front)| *on_front);
+    let errors = Metric::ALL.into_iter().filter(|m| m.is_error());
+    errors
+        .fold(columns, |all, e| all.add(e.key(), e.meaning(), move |(_, m, _)| m.get(e)))
+        .join(work(), |(r, ..)| Some(*r))
+        .message(|(r, ..)| r.message.clone())
 }

@@ -6,7 +6,7 @@
 //! and all others.
 
 mod charts;
-mod csv;
+pub(super) mod csv;
 pub mod pareto;
 mod tables;
 

@@ -1,7 +1,7 @@
 //! The study of the frequency response to tooth meshing: transmission errors, mesh forces and forces of mounts.
 
 mod charts;
-mod csv;
+pub(super) mod csv;
 mod record;
 mod tables;
 

@@ -1,5 +1,6 @@
 //! Finding and tables of frequency response.
 
+use super::csv::{Limit, limits};
 use super::{GroupResponse, MeshLimit, ModelResponse, ResponsePoint};
 use crate::markup::table::Table;
 use crate::markup::{glance, note, prose};
@@ -87,16 +88,22 @@ pub fn tables(responses: &[ModelResponse]) -> Markup {
                 .map(move |(k, m)| (i, r, g, k, m))
         })
         .collect();
+    fn of<'a>((_, r, g, _, m): &Row<'a>) -> Option<Limit<'a>> {
+        Some((r, g, m))
+    }
     let table = Table::of(&rows)
         .grouped(|(i, r, ..)| (r.label.clone(), *i))
-        .text("Mesh", |(.., m)| m.name.clone())
-        .numbers("Force", "N", 4, |(.., m)| m.force_n)
-        .numbers("Stiffness", "N/m", 4, |(.., m)| m.stiffness_n_per_m)
-        .result()
-        .numbers("TE rms, slowly", "m", 3, |(.., m)| m.error_rms_m)
-        .result()
-        .numbers("Resonance", "Hz", 4, |(_, _, g, ..)| g.resonance_hz)
-        .result()
+        .columns_by_key(
+            &limits(&[]),
+            &[
+                "mesh",
+                "force_mean_n",
+                "stiffness_n_per_m",
+                "transmission_error_rms_m",
+                "resonance_hz",
+            ],
+            of,
+        )
         .ranges("Over the mesh cycle", "Hz", 4, |(_, _, g, ..)| {
             g.resonance_range_hz
         })
@@ -112,15 +119,15 @@ pub fn tables(responses: &[ModelResponse]) -> Markup {
             parting(g).map(|p| p[0])
         })
         .numbers("to", "Hz", 3, |(_, _, g, ..)| parting(g).map(|p| p[1]))
-        .numbers("Least stiffness", "N/m", 4, |(.., m)| {
-            m.stiffness_range_n_per_m[0]
-        })
-        .numbers("Greatest stiffness", "N/m", 4, |(.., m)| {
-            m.stiffness_range_n_per_m[1]
-        })
-        .numbers("Own mesh frequency", "Hz", 4, |(_, _, g, ..)| {
-            g.own_frequency_hz
-        });
+        .columns_by_key(
+            &limits(&[]),
+            &[
+                "stiffness_least_n_per_m",
+                "stiffness_greatest_n_per_m",
+                "mesh_frequency_hz",
+            ],
+            of,
+        );
     html! {
         (glance("Response to the passing of teeth", html! {
             (table)

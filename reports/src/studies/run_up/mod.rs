@@ -1,7 +1,7 @@
 //! The study of run-ups: spectra and orders over the speed, and where orders peak.
 
 mod charts;
-mod csv;
+pub(super) mod csv;
 mod record;
 mod tables;
 

@@ -5,7 +5,7 @@
 //! what is computed from them, and as many rows as a chart shows.
 
 mod charts;
-mod csv;
+pub(super) mod csv;
 mod tables;
 
 use crate::drawing::canvas::DrawError;

@@ -1,5 +1,6 @@
 //! Finding and tables of a scan: failures, statistics over the samples, sensitivity indices.
 
+use super::csv;
 use super::{SampleStatistics, ScanRecord, SensitivityIndex, output_text};
 use crate::markup::table::Table;
 use crate::markup::{glance, note, section};
@@ -126,21 +127,16 @@ fn indices(record: &ScanRecord) -> Markup {
     if record.indices.is_empty() {
         return Markup::default();
     }
-    let rows: Vec<&SensitivityIndex> = record.indices.iter().collect();
     let interval = |x: [f64; 3]| format!("{} to {}", short(x[1], 2), short(x[2], 2));
-    let table = Table::of(&rows)
-        .text("Axis", |s| record.axes[s.axis].keys.join(" | "))
+    let columns = csv::indices();
+    let of = |s| Some((record, s));
+    let table = Table::of(&record.indices)
+        .columns_by_key(&columns, &["axis"], of)
         .text("Quantity", |s| output_text(&record.outputs[s.output]).0)
         .key()
-        .text("Model", |s| {
-            record.configurations[s.configuration].label.clone()
-        })
-        .text("At", |s| record.at_text(&s.at))
-        .numbers("First order", "", 3, |s| s.first[0])
-        .result()
+        .columns_by_key(&columns, &["model", "at", "first_order"], of)
         .written("95 % interval", "", |s| interval(s.first))
-        .numbers("Total", "", 3, |s| s.total[0])
-        .result()
+        .columns_by_key(&columns, &["total"], of)
         .written("95 % interval of total", "", |s| interval(s.total));
     let remark = "Sobol indices: share of the variance that an axis causes alone (first order), and alone and together \
                   with others (total). Intervals are those of a mean over groups of samples with scramblings of their own.";

@@ -4,7 +4,7 @@
 //! smallest to the largest step (or tolerance, for methods with step control). Every cell has exactly one [`Status`].
 
 mod charts;
-mod csv;
+pub(super) mod csv;
 mod limit;
 mod tables;
 
@@ -14,6 +14,7 @@ use crate::record::{Results, Status};
 use crate::studies::{Part, StudyReport};
 use crate::words::words;
 pub(crate) use charts::overview;
+pub use csv::timings;
 pub use limit::{BRACKET, Limit, is_lost};
 use maud::Markup;
 use serde::{Deserialize, Serialize};

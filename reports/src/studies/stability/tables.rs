@@ -1,9 +1,10 @@
 //! Finding and tables of a study of stability.
 
+use super::csv;
 use super::{Limit, Map, is_lost, unique_pairs};
 use crate::markup::table::Table;
 use crate::markup::{glance, note, section};
-use crate::numbers::{count, counted, per_cent, quantity, short, times};
+use crate::numbers::{count, counted, per_cent, quantity, times};
 use crate::record::Status;
 use maud::{Markup, html};
 
@@ -187,27 +188,22 @@ fn limits(maps: &[Map]) -> Markup {
     if rows.is_empty() {
         return Markup::default();
     }
-    let seconds = |h: Option<f64>| h.map(|h| quantity(h, "s", 3));
+    fn of<'a>(map: &&'a Map) -> Option<csv::MapLimit<'a>> {
+        Some((map, map.limit()?))
+    }
     let table = table(&rows)
         .written("Largest stable step", "", |m| Some(step(&m.limit()?)))
         .result()
-        .written("Theory", "", |m| {
-            seconds(m.theory(m.own_row()).map(|t| t.0))
-        })
-        .written("Found over theory", "", |m| m.ratio().map(|r| short(r, 3)))
-        .result()
-        .text("Fails with", |m| m.limit()?.status.map(|s| s.to_string()))
+        .columns_by_key(&csv::limits(), &["theory_s", "ratio", "failing_with"], of)
         .text("Beyond", |m| {
             let again = m.limit()?.holds_again;
-            again.then(|| "some larger steps hold again".into())
+            again.then_some("some larger steps hold again")
         })
-        .written("Largest accurate step", "", |m| {
-            seconds(m.limit()?.accurate_s)
-        })
-        .result()
-        .written("A contact pulls from", "", |m| {
-            seconds(m.limit()?.pulls_from_s)
-        });
+        .columns_by_key(
+            &csv::limits(),
+            &["largest_accurate_s", "contact_pulls_from_s"],
+            of,
+        );
     let remark = note(
         "At the scene's own parameters: the largest step up to which every run held, closed in on to 2\u{a0}% between the \
          last that held and the first that failed. Theory is linear, at the closed contact of largest force; a run that is \

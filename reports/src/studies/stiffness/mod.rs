@@ -1,7 +1,7 @@
 //! The study of static stiffness: mesh stiffness, load sharing and transmission error over a mesh cycle under a load.
 
 mod charts;
-mod csv;
+pub(super) mod csv;
 mod record;
 mod tables;
 

@@ -1,9 +1,10 @@
 //! Finding and table of static stiffness.
 
+use super::csv::models;
 use super::{ModelStiffness, PER_MM_UM};
 use crate::markup::table::Table;
 use crate::markup::{glance, note, prose};
-use crate::numbers::{count, quantity, round_quantity, short, significant};
+use crate::numbers::{quantity, round_quantity, short, significant};
 use maud::{Markup, html};
 
 /// Returns the models with numbers, each with its place.
@@ -52,33 +53,26 @@ pub fn finding(stiffness: &[ModelStiffness]) -> Vec<Markup> {
 
 pub fn tables(stiffness: &[ModelStiffness]) -> Markup {
     let rows = solved(stiffness);
-    let per_width = |x: f64| Some(significant(x / PER_MM_UM, 4));
-    let unit = "N/(mm\u{a0}\u{b5}m)";
     let table = Table::of(&rows)
         .grouped(|(i, m)| (m.label.clone(), *i))
-        .written("c'", unit, |(_, m)| per_width(m.single_stiffness_n_per_m2))
-        .result()
-        .written("at the pitch point", unit, |(_, m)| {
-            per_width(m.at_pitch_point_n_per_m2)
-        })
-        .written("c\u{3b3}", unit, |(_, m)| {
-            per_width(m.mesh_stiffness_n_per_m2)
-        })
-        .result()
-        .written("Tangent, mean", unit, |(_, m)| {
-            per_width(m.mesh_tangent_n_per_m2)
-        })
-        .result()
-        .numbers("TE, mean", "m", 4, |(_, m)| m.error_mean_m)
-        .result()
-        .numbers("TE, peak to peak", "m", 3, |(_, m)| m.error_peak_to_peak_m)
-        .result()
-        .text("Includes", |(_, m)| m.includes.clone())
-        .written("Unknowns", "", |(_, m)| count(m.unknowns as u64))
-        .written("Equilibria", "", |(_, m)| count(m.equilibria))
-        .written("Newton iterations", "", |(_, m)| count(m.newton_iterations))
-        .numbers("Set-up", "s", 3, |(_, m)| m.setup_s)
-        .numbers("Solved in", "s", 3, |(_, m)| m.solve_s);
+        .columns_by_key(
+            &models(),
+            &[
+                "single_stiffness_n_per_m2",
+                "at_pitch_point_n_per_m2",
+                "mesh_stiffness_n_per_m2",
+                "mesh_tangent_n_per_m2",
+                "transmission_error_mean_m",
+                "transmission_error_peak_to_peak_m",
+                "includes",
+                "unknowns",
+                "equilibria",
+                "newton_iterations",
+                "setup_s",
+                "solve_s",
+            ],
+            |(_, m)| Some(*m),
+        );
     html! {
         (glance("Stiffness of the mesh", html! {
             (table)

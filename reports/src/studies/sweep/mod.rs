@@ -1,7 +1,7 @@
 //! The study of loaded running over a sequence of speeds: transmission error, bearing forces, spectra.
 
 mod charts;
-mod csv;
+pub(super) mod csv;
 mod record;
 mod tables;
 

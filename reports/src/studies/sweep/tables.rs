@@ -1,5 +1,6 @@
 //! Finding and tables of a speed sweep under load.
 
+use super::csv::steady_columns;
 use super::{Bistable, Steady, SweptBranch, resonance};
 use crate::markup::table::Table;
 use crate::markup::{glance, note, section, short_of};
@@ -137,22 +138,25 @@ pub fn speeds(all: &[SweptBranch<'_>]) -> Markup {
         .collect();
     let mut table = Table::of(&rows)
         .grouped(|(s, _)| (s.label.clone(), s.style))
-        .numbers("Mesh frequency", "Hz", 4, |(_, r)| r.mesh_frequency_hz)
-        .numbers("Speed", "rad/s", 4, |(_, r)| r.speed_rad_s)
-        .numbers("TE mean", "m", 4, |(_, r)| r.error_mean_m)
-        .numbers("TE rms", "m", 3, |(_, r)| r.error_rms_m)
-        .result()
-        .numbers("TE peak to peak", "m", 3, |(_, r)| r.error_peak_to_peak_m)
-        .result()
+        .columns_by_key(
+            &steady_columns(),
+            &[
+                "mesh_frequency_hz",
+                "speed_rad_s",
+                "transmission_error_mean_m",
+                "transmission_error_rms_m",
+                "transmission_error_peak_to_peak_m",
+            ],
+            |(_, r)| Some(*r),
+        )
         .numbers("TE long-period", "m", 3, |(_, r)| {
             Some(r.error_long_peak_to_peak_m).filter(|_| !r.shaft_orders.is_empty())
         })
-        .numbers("Contact force, mean", "N", 4, |(_, r)| r.force_mean_n)
-        .numbers("Contact force, greatest", "N", 4, |(_, r)| r.force_peak_n)
-        .result()
-        .percents("Contact lost", 2, |(_, r)| r.separated)
-        .result()
-        .percents("Irregular", 2, |(_, r)| r.irregular);
+        .columns_by_key(
+            &steady_columns(),
+            &["force_mean_n", "force_peak_n", "separated", "irregular"],
+            |(_, r)| Some(*r),
+        );
     for bearing in rows.first().map_or(&[][..], |(_, r)| &r.bearings) {
         let heading = format!("Bearing {}, rms", bearing.gear);
         table = table.numbers(&heading, "N", 3, |(_, r)| {

@@ -1,7 +1,7 @@
 //! The study of mode counts: error of the elastic model over the number of modes, by method of reduction.
 
 mod charts;
-mod csv;
+pub(super) mod csv;
 mod tables;
 
 use crate::drawing::canvas::DrawError;
