@@ -100,6 +100,7 @@ impl Impact {
             also_steps: true,
             forces: false,
             torques: false,
+            paths: false,
             histories: false,
             pictures: None,
             events: true,

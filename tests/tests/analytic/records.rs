@@ -27,6 +27,7 @@ fn history(spec: &SceneSpec) -> TimeSeries {
         also_steps: false,
         forces: false,
         torques: false,
+        paths: false,
         histories: false,
         pictures: None,
         events: true,
