@@ -46,7 +46,12 @@ fn words(line: &str) -> Vec<String> {
     // In the examples of a help text two spaces separate command and description.
     let line = line.split("  ").next().unwrap_or_default();
     let line = line.split(" #").next().unwrap_or_default();
-    let line = line.split(['|', '>', ';', '&']).next().unwrap_or_default();
+    let mut quoted = false;
+    let ends_command = |c: char| {
+        quoted ^= c == '\'' || c == '"';
+        !quoted && ['|', '>', ';', '&'].contains(&c)
+    };
+    let line = line.split(ends_command).next().unwrap_or_default();
     let line = line.replace('"', "'");
     [vec!["gearbench".to_owned()], split(line.trim())].concat()
 }

@@ -13,10 +13,10 @@ const EXAMPLES: &str = "\
 Examples:
   gearbench scan spur_impact --vary gears.pinion.speed_rad_s=10..100:10 --models rigid
   gearbench scan pair.toml --vary 'meshes.1.centre_distance_m=normal(0.0911,1e-5)' --samples 200
-  gearbench scan pair.toml --vary 'models.*.contact.friction=0,0.05,0.1' --outputs efficiency,peak_force_n
-  gearbench scan pair.toml --vary 'gears.*.deviations.seed=seeds(200)' --vary 'gears.*.deviations.iso_class=6,8'
+  gearbench scan pair.toml --vary 'models.*.contact.friction.mu=0.02,0.05,0.1' --outputs efficiency,peak_force_n
+  gearbench scan pair.toml --vary 'gears.*.deviations.seed=seeds(200)' --vary 'gears.*.deviations.class=6,8'
   gearbench scan spur_impact --vary 'gears.pinion.speed_rad_s | duration_s = 20 | 4e-4, 40 | 2e-4'
-  gearbench scan pair.toml --vary 'gears.wheel.width=uniform(0.01,0.02)' ... --samples 1024 --indices
+  gearbench scan pair.toml --vary 'gears.*.face_width_m=uniform(0.01,0.02)' ... --samples 1024 --indices
   gearbench scan spur_impact --models rigid --against elastic --vary gears.pinion.speed_rad_s=10..100:10
   gearbench scan pair.toml ... --shard 3/50 --out shards/3          then: gearbench merge shards/* --out all
 
