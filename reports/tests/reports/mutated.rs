@@ -8,6 +8,10 @@ use gearbench_reports::check::{
 use gearbench_reports::response::{
     GroupResponse, MeshLimit, MeshPoint, ModelResponse, MountPoint, ResponsePoint, ResponseRecord,
 };
+use gearbench_reports::scan::{
+    FailureCount, SampleDesign, SampleStatistics, ScanAxis, ScanConfiguration, ScanRecord,
+    SensitivityIndex, ShownRow,
+};
 use gearbench_reports::stiffness::{
     LinePressure, ModelStiffness, PairLoad, StiffnessPosition, StiffnessRecord,
 };
@@ -257,6 +261,71 @@ fn every_study_has_a_table_of_its_runs() {
 }
 
 /// Returns a record of every study.
+/// Makes a scan of a listed and a random axis by two models, one of which fails in some cells.
+fn scan_results() -> Results {
+    let axis = |key: &str, values: &[&str], distribution: Option<&str>| ScanAxis {
+        keys: vec![key.into()],
+        values: values.iter().map(|v| (*v).into()).collect(),
+        distribution: distribution.map(str::to_owned),
+    };
+    let configuration = |label: &str| ScanConfiguration {
+        label: label.into(),
+        integrator: "dopri5 at 1e-6".into(),
+    };
+    let statistics = |at: usize| SampleStatistics {
+        at: vec![at, 0],
+        count: 4,
+        missing: 1,
+        mean: 2500.0,
+        deviation: 100.0,
+        quantiles: [2000.0, 2100.0, 2300.0, 2500.0, 2700.0, 2900.0, 3000.0],
+        ..SampleStatistics::default()
+    };
+    let index = |axis: usize| SensitivityIndex {
+        at: vec![0, 0],
+        axis,
+        first: [0.3, 0.2, 0.4],
+        total: [0.5, 0.4, 0.6],
+        ..SensitivityIndex::default()
+    };
+    let shown = |i: u32| ShownRow {
+        cell: u64::from(i) + 1,
+        at: vec![i as usize / 4, 0],
+        values: vec![Some(20.0 + f64::from(i / 4)), Some(0.2 * f64::from(i % 4))],
+        outputs: vec![(i != 3).then_some(2000.0 + 100.0 * f64::from(i))],
+        ..ShownRow::default()
+    };
+    Results {
+        part: Part::Scan(Box::new(ScanRecord {
+            axes: vec![
+                axis("gears.pinion.speed_rad_s", &["20", "21"], None),
+                axis("gears.wheel.bore_radius_m", &[], Some("uniform(0,1)")),
+            ],
+            samples: Some(SampleDesign {
+                samples: 4,
+                seed: 1,
+                variants: 1,
+                ..SampleDesign::default()
+            }),
+            cells: 8,
+            outputs: vec!["peak_force_n".into()],
+            configurations: vec![configuration("rigid"), configuration("elastic")],
+            failures: vec![FailureCount {
+                configuration: 1,
+                status: gearbench_reports::Status::Refused,
+                count: 1,
+                first_cell: 4,
+                message: "made up".into(),
+            }],
+            statistics: [0, 1].map(statistics).to_vec(),
+            indices: [0, 1].map(index).to_vec(),
+            shown: (0..8).map(shown).collect(),
+            ..ScanRecord::default()
+        })),
+        ..Results::default()
+    }
+}
+
 fn records() -> Vec<Results> {
     let mut compare = made_up::impact_results();
     compare.runs.truncate(4);
@@ -281,6 +350,7 @@ fn records() -> Vec<Results> {
         response_results(),
         check_results(),
         stiffness_results(),
+        scan_results(),
     ]
 }
 
