@@ -227,3 +227,50 @@ const COLUMNS: [(&str, &str); 48] = [
     ("mount_torque_GEAR_n", "force of a mount that holds, drives or guides a rack along its motion"),
     ("shaft_torque_A_B_nm", "torque that A exerts through their shaft on the next member B; of a long shaft next to A"),
 ];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The files of tooth pairs and events have the columns of movable teeth only where a tooth moves, and times of events
+    /// with all their digits.
+    #[test]
+    fn pairs_and_events_have_their_columns() {
+        let tooth = SprungTooth {
+            radial_n: 1.0,
+            tangential_n: -2.0,
+            spring_n: 3.0,
+            deflection: 1e-5,
+        };
+        let mut all = Histories {
+            pairs: vec![PairSample {
+                time_s: 1e-3,
+                mesh: 2,
+                teeth: [3, -1],
+                force_n: 12.5,
+                sprung: [None, Some(tooth)],
+            }],
+            events: vec![ContactEvent {
+                time_s: 0.1 + 0.2,
+                closes: true,
+                mesh: 1,
+                teeth: [4, 5],
+                force_n: [0.0, 7.0],
+                located: true,
+            }],
+            ..Histories::default()
+        };
+        let moving = "time_s,mesh,tooth_1,tooth_2,pair_force_n,tooth_radial_force_1_n,tooth_radial_force_2_n,\
+            tooth_tangential_force_1_n,tooth_tangential_force_2_n,tooth_spring_force_1_n,tooth_spring_force_2_n,\
+            tooth_deflection_1_rad,tooth_deflection_2_rad\n1.000000000e-3,2,3,-1,1.250000000e1,,1.000000000e0,,\
+            -2.000000000e0,,3.000000000e0,,1.000000000e-5\n";
+        assert_eq!(all.table(1, None).text(), moving);
+        all.pairs[0].sprung = [None, None];
+        let still =
+            "time_s,mesh,tooth_1,tooth_2,pair_force_n\n1.000000000e-3,2,3,-1,1.250000000e1\n";
+        assert_eq!(all.table(1, None).text(), still);
+        let events = "time_s,event,mesh,tooth_1,tooth_2,force_before_n,force_after_n,located\n\
+            3.0000000000000004e-1,closes,1,4,5,0.000000000e0,7.000000000e0,true\n";
+        assert_eq!(all.table(2, None).text(), events);
+    }
+}
