@@ -135,7 +135,7 @@ fn wrong_values_are_refused_or_rows() {
     );
     // Nothing but failures is a failure.
     let out = folder.ends(
-        &format!("{scan} meshes.1.centre_distance_m=0.2,0.3 --out none"),
+        &format!("{scan} gears.pinion.teeth=20,21 --timeout 1e-9 --out none"),
         3,
     );
     has(&(stdout(&out) + &stderr(&out)), &["of which 2 failed"]);

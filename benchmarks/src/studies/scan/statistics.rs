@@ -16,8 +16,8 @@
 //! S_j = mean(f_B (f_AB - f_A)) / V,     T_j = mean((f_A - f_AB)^2) / (2 V),     V the variance of f_A and f_B
 //! ```
 //!
-//! f counts from its mean. Each index is the mean over [`REPLICATES`] groups of samples with scramblings of their own;
-//! its interval is that of the mean (Student's t).
+//! f counts from its mean. An index is the ratio of two means over [`REPLICATES`] groups of samples with scramblings of
+//! their own; its interval is that of a ratio (Student's t of the numerators less the index times the denominators).
 
 use super::design::{Design, REPLICATES};
 use gearbench_reports::scan::{SampleStatistics, SensitivityIndex};
@@ -125,9 +125,12 @@ impl Selection {
     }
 }
 
-/// Rows of one sample that indices are computed from, by variant and output of one configuration and combination.
+/// Sums over the samples of a group, of one output of a configuration and combination.
 struct Sums {
     samples: u64,
+    /// Squares of the values of A and B about their mean, half of their sum.
+    squares: f64,
+    /// Numerators of the indices of each axis.
     first: Vec<f64>,
     total: Vec<f64>,
 }
@@ -271,6 +274,7 @@ fn indices<E>(
     let per_group = design.samples() / REPLICATES;
     let empty = || Sums {
         samples: 0,
+        squares: 0.0,
         first: vec![0.0; axes.len()],
         total: vec![0.0; axes.len()],
     };
@@ -300,6 +304,7 @@ fn indices<E>(
             let sums = &mut sums[i][group];
             let [a, b] = [f[0] - moments[i].mean, f[1] - moments[i].mean];
             sums.samples += 1;
+            sums.squares += 0.5 * (a * a + b * b);
             for (j, f) in f[2..].iter().enumerate() {
                 let mixed = f - moments[i].mean;
                 sums.first[j] += b * (mixed - a);
@@ -312,15 +317,15 @@ fn indices<E>(
         for configuration in 0..sizes.configurations {
             for combination in 0..sizes.combinations {
                 let i = sizes.position(combination, configuration, output);
-                let variance = moments[i].squares / (moments[i].count.max(2) - 1) as f64;
                 let used = || sums[i].iter().filter(|s| s.samples > 0);
-                if !(variance > 0.0) || used().count() < 2 {
+                if !(moments[i].squares > 0.0) || used().count() < 2 {
                     continue;
                 }
                 for (j, axis) in axes.iter().enumerate() {
                     let share = |of: fn(&Sums) -> &Vec<f64>| {
-                        let each = used().map(|s| of(s)[j] / (s.samples as f64 * variance));
-                        mean_with_interval(&each.collect::<Vec<_>>())
+                        let each =
+                            used().map(|s| [of(s)[j], s.squares].map(|x| x / s.samples as f64));
+                        ratio_with_interval(&each.collect::<Vec<_>>())
                     };
                     found.push(SensitivityIndex {
                         configuration,
@@ -337,14 +342,19 @@ fn indices<E>(
     Ok(found)
 }
 
-/// Mean of at least two values, with its 95 % interval.
-fn mean_with_interval(of: &[f64]) -> [f64; 3] {
+/// Ratio of the means of at least two pairs of values, with its 95 % interval (linearised, W. G. Cochran, *Sampling
+/// Techniques*, 1977, 6.3).
+fn ratio_with_interval(of: &[[f64; 2]]) -> [f64; 3] {
     let n = of.len() as f64;
-    let mean = of.iter().sum::<f64>() / n;
-    let variance = of.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / (n - 1.0);
+    let [above, below] = [0, 1].map(|k| of.iter().map(|x| x[k]).sum::<f64>() / n);
+    let ratio = above / below;
+    let squares = of
+        .iter()
+        .map(|x| (x[0] - ratio * x[1]).powi(2))
+        .sum::<f64>();
     let t = StudentsT::new(0.0, 1.0, n - 1.0).map_or(f64::INFINITY, |t| t.inverse_cdf(0.975));
-    let half = t * (variance / n).sqrt();
-    [mean, mean - half, mean + half]
+    let half = t * (squares / (n - 1.0) / n).sqrt() / below;
+    [ratio, ratio - half, ratio + half]
 }
 
 #[cfg(test)]
@@ -352,9 +362,13 @@ mod tests {
     use super::*;
     use gearbench_reports::scan::Sampling;
 
-    fn design(axes: &[&str], sampling: Sampling, samples: usize, indices: bool) -> Design {
+    fn design(
+        axes: &[&str],
+        (sampling, samples, seed): (Sampling, usize, u64),
+        indices: bool,
+    ) -> Design {
         let axes = axes.iter().map(|a| a.parse().unwrap()).collect();
-        Design::new(axes, (sampling, Some(samples), 3), indices).unwrap()
+        Design::new(axes, (sampling, Some(samples), seed), indices).unwrap()
     }
 
     /// Statistics of a function of the values of a design, without scenes.
@@ -390,19 +404,21 @@ mod tests {
         ];
         let joint = 8.0 * b * b * pi.powi(8) / 225.0 / variance;
         let total = [first[0] + joint, first[1], joint];
-        for sampling in Sampling::ALL {
-            let s = of(&design(&axes, sampling, 4096, true), &f);
-            let mean = 0.5 * a;
+        let mut outside = 0;
+        for (sampling, seed) in Sampling::ALL
+            .into_iter()
+            .flat_map(|s| (1..=4).map(move |seed| (s, seed)))
+        {
+            let s = of(&design(&axes, (sampling, 2048, seed), true), &f);
             assert!(
-                (s.samples[0].mean - mean).abs() < 0.15,
+                (s.samples[0].mean - 0.5 * a).abs() < 0.3,
                 "{}",
                 s.samples[0].mean
             );
-            let mut outside = 0;
             for i in &s.indices {
                 let known = [first[i.axis], total[i.axis]];
                 println!(
-                    "{sampling} x{}: first {:.4?} ({:.4}), total {:.4?} ({:.4})",
+                    "{sampling} {seed} x{}: first {:.3?} ({:.3}), total {:.3?} ({:.3})",
                     i.axis + 1,
                     i.first,
                     known[0],
@@ -412,20 +428,25 @@ mod tests {
                 for (found, known) in [i.first, i.total].into_iter().zip(known) {
                     outside += usize::from(!(found[1]..=found[2]).contains(&known));
                     assert!(
-                        (found[0] - known).abs() < 0.06,
+                        (found[0] - known).abs() < 0.1,
                         "{sampling} {found:?} {known}"
                     );
                 }
             }
-            // Of six intervals of 95 %, more than one outside has a probability of 3 %.
-            assert!(outside <= 1, "{sampling}: {outside}");
         }
+        // Of 72 intervals of 95 % more than 8 outside would have a probability of 2 %.
+        println!("{outside} of 72 known values are outside of their interval");
+        assert!(outside <= 8, "{outside}");
     }
 
     /// Quantiles, moments and missing values against sorted values.
     #[test]
     fn quantiles_are_those_of_sorted_values() {
-        let d = design(&["a=normal(-3,40)", "b=1,2"], Sampling::Random, 999, false);
+        let d = design(
+            &["a=normal(-3,40)", "b=1,2"],
+            (Sampling::Random, 999, 3),
+            false,
+        );
         let f = |x: &[f64]| if x[0] > 30.0 { f64::NAN } else { x[0] * x[1] };
         let s = of(&d, &f);
         assert_eq!(s.samples.len(), 2);
