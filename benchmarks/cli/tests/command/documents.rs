@@ -27,8 +27,6 @@ const QUICK: &[&str] = &[
     "init snakemake",
     "scan spur_impact --vary gears.pinion.speed_rad_s=10..100:10 --models rigid",
     "scan spur_impact --vary gears.pinion.speed_rad_s=10..100:10 --models rigid,movable-teeth",
-    "scan spur_impact --vary gears.pinion.speed_rad_s | duration_s = 20 | 4e-4, 40 | 2e-4",
-    "scan spur_impact --models rigid --against elastic --vary gears.pinion.speed_rad_s=10..100:10",
     "scan spur_impact --models rigid,movable-teeth --against elastic --vary gears.pinion.speed_rad_s=10..40:7",
     "mesh spur_impact",
     "mesh spur_impact --gear pinion --out pinion.inp",
@@ -88,6 +86,13 @@ const LONG: &[(&str, &[&str])] = &[
             "compare my_pair.toml",
             "compare helical.toml",
             "compare set.toml",
+        ],
+    ),
+    (
+        "Another choice of models than that of an example before them, in the same folder",
+        &[
+            "scan spur_impact --vary gears.pinion.speed_rad_s | duration_s = 20 | 4e-4, 40 | 2e-4",
+            "scan spur_impact --models rigid --against elastic --vary gears.pinion.speed_rad_s=10..100:10",
         ],
     ),
     (
