@@ -54,7 +54,15 @@ const GROUPS: [(&str, &[&str]); 5] = [
     ),
     (
         "Analyse",
-        &["stiffness", "modes", "response", "sweep", "run-up"],
+        &[
+            "stiffness",
+            "modes",
+            "response",
+            "sweep",
+            "run-up",
+            "scan",
+            "merge",
+        ],
     ),
     (
         "Data, meshes and other programs",

@@ -187,7 +187,7 @@ fn errors_refer_to_the_model_of_the_same_scene() {
 fn efficiency_is_that_of_the_quasi_static_integral() {
     let folder = Folder::new();
     folder.says(
-        "scan mesh_efficiency --vary gears.wheel.loads.1.torque_nm=50,141.15,300 --vary \
+        "scan mesh_efficiency --models rigid --vary gears.wheel.loads.1.torque_nm=50,141.15,300 --vary \
          gears.pinion.mount.driven.speed_rad_s|gears.wheel.speed_rad_s|duration_s=100|-66.6666666666667|0.015707963,\
          200|-133.333333333333|0.0078539816,400|-266.666666666667|0.0039269908 --outputs efficiency --out e",
     );
