@@ -12,16 +12,16 @@ use std::path::PathBuf;
 const EXAMPLES: &str = "\
 Examples:
   gearbench scan spur_impact --vary gears.pinion.speed_rad_s=10..100:10 --models rigid
-  gearbench scan pair.toml --vary 'meshes.1.centre_distance_m=normal(0.0911,1e-5)' --samples 200
+  gearbench scan pair.toml --vary 'meshes.1.backlash_m=normal(80e-6,5e-6)' --samples 200
   gearbench scan pair.toml --vary 'models.*.contact.friction.mu=0.02,0.05,0.1' --outputs efficiency,peak_force_n
-  gearbench scan pair.toml --vary 'gears.*.deviations.seed=seeds(200)' --vary 'gears.*.deviations.class=6,8'
+  gearbench scan pair.toml --vary 'gears.pinion.deviations.class=6,8' --vary 'gears.pinion.deviations.seed=seeds(200)'
   gearbench scan spur_impact --vary 'gears.pinion.speed_rad_s | duration_s = 20 | 4e-4, 40 | 2e-4'
   gearbench scan pair.toml --vary 'gears.*.face_width_m=uniform(0.01,0.02)' ... --samples 1024 --indices
   gearbench scan spur_impact --models rigid --against elastic --vary gears.pinion.speed_rad_s=10..100:10
   gearbench scan pair.toml ... --shard 3/50 --out shards/3          then: gearbench merge shards/* --out all
 
 Values of a key: a list (1,2,5), FROM..TO:N, FROM..TO:N:log, or a distribution: uniform(FROM,TO), loguniform(FROM,TO),
-normal(MEAN,DEVIATION), lognormal(MEDIAN,SIGMA), triangular(LEAST,MOST_LIKELY,GREATEST), integers(FROM,TO), seeds(N).
+normal(MEAN,DEVIATION), lognormal(MEDIAN,SIGMA), triangular(LEAST,MOST_LIKELY,GREATEST), integers(FROM,TO), seeds(N), seeds(FROM,TO).
 Listed values are combined with each other; distributions are sampled. A key is the path of a key in the scene file:
 entries of lists by label, name or number from 1, * for all entries; a key that the scene does not have is added.
 

@@ -4,7 +4,7 @@
 //! KEY=1e-6,2e-6,5e-6         listed values (numbers, "texts", true, tables in TOML)
 //! KEY=10..100:10             ten values, evenly spaced;  10..100:10:log on a logarithmic scale
 //! KEY=uniform(a,b)           a distribution that is sampled; see [`Distribution`]
-//! KEY=seeds(200)             the numbers 1 to 200, one for each sample
+//! KEY=seeds(200)             the numbers 1 to 200, one for each sample; seeds(1001,1200) those from 1001 on
 //! KEY | KEY = 1 | 10, 2 | 5  keys that change together
 //! ```
 
@@ -31,8 +31,13 @@ pub enum AxisValues {
     Listed(Vec<Vec<Value>>),
     /// Values of a distribution.
     Sampled(Distribution),
-    /// The number of the sample, from 1, up to a number of samples.
-    Seeds(usize),
+    /// The number of the sample.
+    Seeds {
+        /// Number of the first sample.
+        first: i64,
+        /// Number of samples.
+        count: usize,
+    },
 }
 
 /// Distribution of a value, by the names and parameters that textbooks give them.
@@ -97,15 +102,22 @@ impl fmt::Display for KeyPath {
 impl fmt::Display for Axis {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let keys: Vec<String> = self.keys.iter().map(ToString::to_string).collect();
-        write!(f, "{}=", keys.join(" | "))?;
-        match &self.values {
+        write!(f, "{}={}", keys.join(" | "), self.values)
+    }
+}
+
+impl fmt::Display for AxisValues {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
             AxisValues::Listed(all) => {
                 let part = |v: &Value| v.to_string().trim().to_owned();
                 let entry = |all: &Vec<Value>| all.iter().map(part).collect::<Vec<_>>().join(" | ");
                 f.write_str(&all.iter().map(entry).collect::<Vec<_>>().join(","))
             }
             AxisValues::Sampled(distribution) => distribution.fmt(f),
-            AxisValues::Seeds(n) => write!(f, "seeds({n})"),
+            AxisValues::Seeds { first, count } => {
+                write!(f, "seeds({first},{})", first + *count as i64 - 1)
+            }
         }
     }
 }
@@ -273,12 +285,28 @@ fn sampled(text: &str) -> Result<Option<AxisValues>, String> {
             Distribution::Integers(a as i64, b as i64)
         }
         ("seeds", &[n]) if n >= 1.0 && n.fract() == 0.0 && n < 1e9 => {
-            return Ok(Some(AxisValues::Seeds(n as usize)));
+            return Ok(Some(AxisValues::Seeds {
+                first: 1,
+                count: n as usize,
+            }));
+        }
+        ("seeds", &[a, b])
+            if a >= 0.0
+                && a <= b
+                && a.fract() == 0.0
+                && b.fract() == 0.0
+                && b < 1e15
+                && b - a < 1e9 =>
+        {
+            return Ok(Some(AxisValues::Seeds {
+                first: a as i64,
+                count: (b - a) as usize + 1,
+            }));
         }
         _ => {
             return refuse(
                 "uniform(FROM,TO), loguniform(FROM,TO), normal(MEAN,DEVIATION), lognormal(MEDIAN,SIGMA), \
-                 triangular(LEAST,MOST_LIKELY,GREATEST), integers(FROM,TO) or seeds(N), with parameters in order",
+                 triangular(LEAST,MOST_LIKELY,GREATEST), integers(FROM,TO), seeds(N) or seeds(FROM,TO), with parameters in order",
             );
         }
     };

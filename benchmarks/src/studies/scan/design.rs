@@ -73,7 +73,7 @@ impl Design {
         }
         let mut stated = samples;
         for axis in &axes {
-            if let AxisValues::Seeds(n) = axis.values {
+            if let AxisValues::Seeds { count: n, .. } = axis.values {
                 if stated.is_some_and(|stated| stated != n) {
                     let stated = stated.unwrap_or_default();
                     return Err(format!(
@@ -106,7 +106,7 @@ impl Design {
             if sampled == 0
                 || axes
                     .iter()
-                    .any(|a| matches!(a.values, AxisValues::Seeds(_)))
+                    .any(|a| matches!(a.values, AxisValues::Seeds { .. }))
             {
                 return Err(
                     "sensitivity indices need axes with distributions, and no seeds".into(),
@@ -264,8 +264,8 @@ impl Design {
                     all.push((&axis.keys[0], distribution.value(self.share(place, column))));
                     column += 1;
                 }
-                AxisValues::Seeds(_) => {
-                    all.push((&axis.keys[0], Value::from(place.sample as i64 + 1)));
+                AxisValues::Seeds { first, .. } => {
+                    all.push((&axis.keys[0], Value::from(first + place.sample as i64)));
                 }
             }
         }

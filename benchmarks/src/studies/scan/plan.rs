@@ -105,8 +105,7 @@ fn axis_record(axis: &Axis) -> ScanAxis {
         },
         distribution: match &axis.values {
             AxisValues::Listed(_) => None,
-            AxisValues::Sampled(distribution) => Some(distribution.to_string()),
-            AxisValues::Seeds(n) => Some(format!("seeds({n})")),
+            random => Some(random.to_string()),
         },
     }
 }

@@ -77,7 +77,7 @@ pub fn of_subject(spec: &SceneSpec, subject: &Subject) -> Scene {
         gears: vec![subject.spec.clone(); spec.gears.len()],
         contacts: vec![subject.contact.clone(); spec.meshes.len()],
     };
-    Scene::build(spec, &modelling, gearbench::models::models())
+    Scene::build(spec, &modelling, &joined().models)
         .unwrap_or_else(|e| panic!("{}: {e}", subject.name))
 }
 
