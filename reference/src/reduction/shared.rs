@@ -4,6 +4,9 @@
 //!
 //! A second request waits for the first. A basis with more modes serves requests for fewer; these use the lowest modes
 //! of it, so that a result does not depend on earlier requests.
+//!
+//! Bases that no gear uses any more are kept for later requests, up to [`MOST_UNUSED`] of them: a scan makes a thousand
+//! scenes whose gears differ.
 
 use super::{Basis, ModeSelection, ReductionError, Request};
 use crate::hash::Hash;
@@ -16,7 +19,48 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 /// Largest basis so far, with the selection of modes that it covers.
 type Slot = Arc<Mutex<Option<(ModeSelection, Arc<Basis>)>>>;
 
-static BASES: Mutex<Option<HashMap<Hash, Slot>>> = Mutex::new(None);
+/// Slots by the hash of their body, each with the number of its last request.
+#[derive(Default)]
+struct Bases {
+    slots: HashMap<Hash, (Slot, u64)>,
+    requests: u64,
+}
+
+static BASES: Mutex<Option<Bases>> = Mutex::new(None);
+
+/// Largest number of bases that are kept though no gear uses them.
+const MOST_UNUSED: usize = 32;
+
+impl Bases {
+    /// The slot of a body. Of the bases that no gear uses and no thread computes, those that were not requested for
+    /// longest are dropped.
+    fn slot(&mut self, body: Hash) -> Slot {
+        self.requests += 1;
+        let entry = self.slots.entry(body).or_default();
+        entry.1 = self.requests;
+        let slot = entry.0.clone();
+        let mut unused: Vec<(u64, Hash)> = (self.slots.iter())
+            .filter(|(_, (slot, _))| is_unused(slot))
+            .map(|(body, (_, request))| (*request, *body))
+            .collect();
+        if let Some(excess) = unused.len().checked_sub(MOST_UNUSED) {
+            unused.sort_unstable_by_key(|(request, _)| *request);
+            for (_, body) in &unused[..excess] {
+                self.slots.remove(body);
+            }
+        }
+        slot
+    }
+}
+
+/// True if nothing but the table has a slot and its basis.
+fn is_unused(slot: &Slot) -> bool {
+    let basis = |held: &Option<(ModeSelection, Arc<Basis>)>| {
+        held.as_ref()
+            .is_none_or(|(_, basis)| Arc::strong_count(basis) == 1)
+    };
+    Arc::strong_count(slot) == 1 && slot.try_lock().is_ok_and(|held| basis(&held))
+}
 
 impl ModeSelection {
     /// Returns true if the modes selected by `self` include those of `other`.
@@ -37,10 +81,7 @@ pub fn basis_of(request: &Request<'_>) -> Result<Arc<Basis>, ReductionError> {
     // A basis that was not finished leaves an empty slot: nothing is lost with a poisoned lock.
     let slot = {
         let mut all = BASES.lock().unwrap_or_else(PoisonError::into_inner);
-        all.get_or_insert_default()
-            .entry(request.body_hash())
-            .or_default()
-            .clone()
+        all.get_or_insert_default().slot(request.body_hash())
     };
     let mut slot = slot.lock().unwrap_or_else(PoisonError::into_inner);
     if let Some((held, found)) = &*slot
@@ -93,6 +134,22 @@ mod tests {
     use crate::test_support::{coarse, stub};
     use gearbench_models::stiffness::Material;
     use rayon::prelude::*;
+
+    /// A thousand bodies that differ: bases in use stay, of the others the last ones.
+    #[test]
+    fn bases_that_nothing_uses_are_dropped() {
+        let body = |i: usize| {
+            let mut hash = Hash::START;
+            hash.count(i);
+            hash
+        };
+        let mut bases = Bases::default();
+        let used: Vec<Slot> = (0..50).map(|i| bases.slot(body(i))).collect();
+        (50..1000).for_each(|i| drop(bases.slot(body(i))));
+        assert!(bases.slots.len() <= used.len() + MOST_UNUSED + 1);
+        assert!((0..50).all(|i| Arc::ptr_eq(&bases.slot(body(i)), &used[i])));
+        assert!(bases.slots.contains_key(&body(999)) && !bases.slots.contains_key(&body(500)));
+    }
 
     /// More gears than threads, all of them in the pool that the computation would use too.
     #[test]
