@@ -2,7 +2,7 @@
 //! columns.
 //!
 //! The schema is derived from the types of the record and their doc comments (crate `schemars`, in tests alone), the
-//! dictionary from the declarations of columns ([`crate::columns`]).
+//! dictionary from the declarations of columns (`crate::columns`).
 
 pub use crate::columns::FileDescription;
 use crate::csv_table::named_unit;

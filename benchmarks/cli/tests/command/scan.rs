@@ -1,5 +1,8 @@
 //! Tests of `scan` and `merge`: tables, parts, refusals, and the workflow of Snakemake.
 
+// Figures of documents, and the reason why a test is skipped, are printed.
+#![allow(clippy::print_stdout)]
+
 use super::{Folder, has, stderr, stdout};
 use gearbench_reports::record::OF_THE_CLOCK;
 use serde_json::Value;

@@ -129,7 +129,7 @@ pub fn run(context: &Context, args: &Reference, command: &str) -> Result<Command
     let answer = CommandResult::done()
         .with("written", absolute(args.out.clone()))
         .with("model", &choice.label)
-        .with("method", &method.to_string())
+        .with("method", method.to_string())
         .with("scene_lines", &lines)
         .with("own_error", own.map(|m| json!({
             "force_l2": m.force_l2, "peak_force_rel": m.peak_force_rel, "impulse_rel": m.impulse_rel,

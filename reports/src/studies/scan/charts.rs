@@ -94,7 +94,7 @@ fn families(record: &ScanRecord, abscissa: Option<usize>) -> Vec<Family> {
 /// Range of values on an axis, logarithmic where they are positive and spread over more than a decade and a half.
 fn axis_over(values: impl Iterator<Item = f64>) -> Option<Axis> {
     let (low, high) = extremes(values);
-    if !(low < high) {
+    if low >= high {
         return None;
     }
     Some(match low > 0.0 && high > 30.0 * low {
