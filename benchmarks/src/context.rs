@@ -1,4 +1,4 @@
-//! What a command or a study has of its own.
+//! Models, messages, memory and interruption of a command or a study.
 //!
 //! A program makes a context and hands it on, to the loading of scenes first: a scene keeps its context, and the
 //! conditions of its studies have it from there. The thread that loads the scenes and runs the studies works
@@ -12,7 +12,7 @@ use gearbench_reference::resources::Resources;
 use gearbench_reports::record::Source;
 use std::sync::Arc;
 
-/// What a command or a study has of its own; a clone is the same context.
+/// Models, messages, memory and interruption of a command or a study; a clone is the same context.
 #[derive(Clone, Debug)]
 pub struct Context {
     /// The gear models that scenes can name.

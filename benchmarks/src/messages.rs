@@ -21,7 +21,7 @@ pub enum OutputForm {
     Json,
 }
 
-/// What a command or a study says on its way; a clone goes to the same place.
+/// Output and warnings of a command or a study; a clone writes to the same place.
 #[derive(Clone, Debug, Default)]
 pub struct Messages {
     /// Form of the output.

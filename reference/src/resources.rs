@@ -1,4 +1,4 @@
-//! What a study may take from the machine: memory, and a cache of what was computed before.
+//! Resources of a study on its machine: a limit of memory, and a cache of reductions that were computed before.
 //!
 //! A thread works [within](Resources::within) the resources of a study. They belong to the thread because a gear model
 //! is built by a function of the scene alone, to which nothing else can be handed; studies in threads of their own thus
@@ -14,7 +14,7 @@ thread_local! {
     static OWN: RefCell<Resources> = RefCell::default();
 }
 
-/// What a study may take from the machine; a clone shares it.
+/// Limit of memory and cache of a study; a clone shares both.
 #[derive(Clone, Debug, Default)]
 pub struct Resources {
     /// Memory that estimates are compared with.

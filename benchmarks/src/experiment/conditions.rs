@@ -51,6 +51,17 @@ pub fn even(samples: usize, end: f64) -> Vec<f64> {
     (0..=n).map(|i| end * i as f64 / n as f64).collect()
 }
 
+/// Returns values from one end to the other, evenly spaced on a logarithmic scale, with exact ends.
+pub fn logarithmic(from: f64, to: f64, points: usize) -> Vec<f64> {
+    let last = points.max(2) - 1;
+    let at = |i: usize| match i {
+        0 => from,
+        i if i == last => to,
+        i => from * ((to / from).ln() * i as f64 / last as f64).exp(),
+    };
+    (0..=last).map(at).collect()
+}
+
 impl Conditions {
     /// The conditions of a scene: one timed repeat, no bound on processor time or steps.
     pub fn of(scene: &SceneFile) -> Self {

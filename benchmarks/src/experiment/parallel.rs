@@ -9,6 +9,12 @@ pub fn lock<T>(of: &Mutex<T>) -> MutexGuard<'_, T> {
     of.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
+/// Returns the number of threads that the command line asks for, else that of the processors.
+pub fn thread_count(asked: Option<u32>) -> usize {
+    let processors = || std::thread::available_parallelism().map_or(1, usize::from);
+    asked.map_or_else(processors, |n| n as usize)
+}
+
 /// Processes every item on several threads, in their order; the first error ends the work.
 ///
 /// Threads of their own, not those of rayon: work is timed and holds locks, and a thread of rayon that waits inside a

@@ -169,7 +169,11 @@ impl<'a> Runner<'a> {
         }
     }
 
-    fn store<T: Serialize>(&self, key: Key, made: T) -> Result<T, JournalError> {
+    /// Stores the result of a piece of work in the journal and returns it.
+    ///
+    /// # Errors
+    /// [`JournalError`] when the journal cannot be written.
+    pub fn store<T: Serialize>(&self, key: Key, made: T) -> Result<T, JournalError> {
         if let Some(journal) = &self.journal {
             lock(journal).store(&key.to_string(), &made)?;
         }

@@ -22,6 +22,7 @@
 
 pub mod calibration;
 mod calibration_choice;
+pub(crate) mod changes;
 mod contact;
 mod contact_points;
 mod deviations;

@@ -41,7 +41,7 @@ const OTHERS: [(&str, &str, &str, &str); 2] = [
     ),
 ];
 
-/// What consists of several files: the name of its folder, and its files, the main one first.
+/// Template of several files: the name of its folder, and its files, the main one first.
 type FolderTemplate = (&'static str, &'static [(&'static str, &'static [u8])]);
 
 const FOLDERS: [FolderTemplate; 2] = [("own_gears", &OWN_GEARS), ("snakemake", &SNAKEMAKE)];

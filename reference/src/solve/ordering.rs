@@ -6,6 +6,7 @@
 //! equal pattern become neighbours; the fill is counted exactly along the row subtrees.
 
 use super::separator::{Graph, Random, SEPARATOR};
+use crate::hash::spread;
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::sparse::SymbolicSparseColMatRef;
 use faer::sparse::linalg::amd;
@@ -63,9 +64,9 @@ impl NodeGraph {
         let mut seen = vec![0_u64; unknowns];
         for j in 0..unknowns {
             for &i in pattern.row_idx_of_col_raw(j) {
-                seen[j] = seen[j].wrapping_add(scramble(i));
+                seen[j] = seen[j].wrapping_add(spread(i as u64));
                 if i != j {
-                    seen[i] = seen[i].wrapping_add(scramble(j));
+                    seen[i] = seen[i].wrapping_add(spread(j as u64));
                 }
             }
         }
@@ -114,14 +115,6 @@ impl NodeGraph {
             neighbours,
         }
     }
-}
-
-/// Spreads an index over 64 bits (the finaliser of splitmix64).
-fn scramble(i: usize) -> u64 {
-    let mut z = (i as u64).wrapping_add(0x9e37_79b9_7f4a_7c15);
-    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    z ^ (z >> 31)
 }
 
 /// Returns the better of two orders for the pattern of a lower triangle: the one with the cheaper factor.

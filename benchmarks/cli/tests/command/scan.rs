@@ -138,7 +138,7 @@ fn wrong_values_are_refused_or_rows() {
     );
     // Nothing but failures is a failure.
     let out = folder.ends(
-        &format!("{scan} gears.pinion.teeth=20,21 --timeout 1e-9 --out none"),
+        &format!("{scan} gears.pinion.speed_rad_s=20,21 --integrators semi-implicit-euler@5e-5 --out none"),
         3,
     );
     has(&(stdout(&out) + &stderr(&out)), &["of which 2 failed"]);

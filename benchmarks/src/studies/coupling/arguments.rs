@@ -2,7 +2,7 @@
 
 use crate::cli::arguments::BoundedOutput;
 use crate::cli::values::{DEFAULT_SCENE, number, positive, time};
-use crate::studies::stability::axis::spaced;
+use crate::experiment::conditions::logarithmic;
 use clap::Args;
 use gearbench_reports::coupling::{Extrapolation, Motion};
 
@@ -86,7 +86,7 @@ fn steps(text: &str) -> Result<Steps, String> {
         _ => return Err(EXPECTED.into()),
     };
     match from < to {
-        true => Ok(Steps(spaced(from, to, points))),
+        true => Ok(Steps(logarithmic(from, to, points))),
         false => Err(EXPECTED.into()),
     }
 }

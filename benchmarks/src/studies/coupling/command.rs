@@ -13,6 +13,7 @@ use crate::cli::terminal::{Refusal, refuse_run, refuse_study};
 use crate::context::Context;
 use crate::experiment::conditions::Conditions;
 use crate::experiment::configuration::Configuration;
+use crate::experiment::parallel::thread_count;
 use crate::experiment::run::{LEFT_OUT, RunError};
 use crate::experiment::settings::settings;
 use crate::scene_file::{self, ModelChoice, SceneError, SceneFile, Selection};
@@ -38,8 +39,7 @@ pub fn run(context: &Context, args: &Coupling, command: &str) -> Result<CommandR
     scene.build_selected(&chosen.iter().map(String::as_str).collect::<Vec<_>>())?;
     let plan = plan(&scene, args, command)?;
     let mut folder = StudyFolder::of(&args.run.output, &scene, Study::Coupling.as_str())?;
-    let cores = std::thread::available_parallelism().map_or(1, usize::from);
-    let threads = args.threads.map_or(cores, |n| n as usize);
+    let threads = thread_count(args.threads);
     let made = folder.run(plan.len(), |runner| study(&plan, runner, threads));
     folder.finish(
         made.map_err(|e| folder.refuse(refuse_study(&scene, e)))?,

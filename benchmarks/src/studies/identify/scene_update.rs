@@ -16,12 +16,13 @@ use super::plan::apply;
 use crate::cli::files::write_whole;
 use crate::cli::terminal::Refusal;
 use crate::scene_file::calibration::{Constants, of_gear};
+use crate::scene_file::changes::{inner, number, set};
 use crate::scene_file::{ModelChoice, Origin, SceneFile};
 use gearbench_models::law::Damping;
 use gearbench_models::stiffness::{PairOrMesh, PairStiffness};
 use gearbench_reference::files;
 use std::path::PathBuf;
-use toml_edit::{DocumentMut, InlineTable, Item, Table, TableLike, Value};
+use toml_edit::{DocumentMut, InlineTable, Item, TableLike, Value};
 
 /// Returns the prefix of the comments that this module writes about a model.
 fn tag(label: &str) -> String {
@@ -253,14 +254,6 @@ fn parameters(model: &mut dyn TableLike, scene: &SceneFile, w: &FittedConstants<
     Some(())
 }
 
-/// A table in a table, made where there is none.
-fn inner<'t>(table: &'t mut dyn TableLike, key: &str) -> Option<&'t mut dyn TableLike> {
-    if !table.contains_key(key) {
-        table.insert(key, Item::Value(InlineTable::new().into()));
-    }
-    table.get_mut(key)?.as_table_like_mut()
-}
-
 /// Normalises the spaces of an inline table.
 fn tidy(table: &mut dyn TableLike, key: &str) {
     let value = table.get_mut(key).and_then(Item::as_value_mut);
@@ -269,39 +262,6 @@ fn tidy(table: &mut dyn TableLike, key: &str) {
     {
         inline.fmt();
     }
-}
-
-/// Sets a value in a table and keeps the comments and spaces around it.
-fn set(table: &mut dyn TableLike, key: &str, mut value: Value) {
-    if let Some(old) = table.get(key).and_then(Item::as_value) {
-        *value.decor_mut() = old.decor().clone();
-    }
-    match table.get_mut(key) {
-        Some(item @ Item::Value(_)) => *item = Item::Value(value),
-        // A table under a header of its own keeps that.
-        Some(Item::Table(own)) if value.is_inline_table() => {
-            fill(own, value);
-        }
-        _ => {
-            table.insert(key, Item::Value(value));
-        }
-    }
-}
-
-/// Copies the entries of an inline table into a table of several lines.
-fn fill(own: &mut Table, value: Value) {
-    let Value::InlineTable(new) = value else {
-        return;
-    };
-    own.retain(|key, _| new.contains_key(key));
-    for (key, value) in new {
-        set(own, &key, value);
-    }
-}
-
-/// A number with all digits.
-fn number(x: f64) -> Option<Value> {
-    format!("{x:e}").parse().ok()
 }
 
 /// A stiffness as scenes have it.

@@ -8,6 +8,8 @@
 //! KEY | KEY = 1 | 10, 2 | 5  keys that change together
 //! ```
 
+use crate::experiment::conditions::logarithmic;
+use crate::scene_file::changes;
 use statrs::distribution::{ContinuousCDF, Normal, Triangular};
 use std::fmt;
 use toml_edit::Value;
@@ -211,8 +213,8 @@ fn value(text: &str) -> Value {
 }
 
 /// A number in TOML with all its digits.
-pub fn number(x: f64) -> Value {
-    format!("{x:e}").parse().unwrap_or_else(|_| x.into())
+fn number(x: f64) -> Value {
+    changes::number(x).unwrap_or_else(|| x.into())
 }
 
 /// Values of `FROM..TO:N` and `FROM..TO:N:log`; `None` for other texts.
@@ -242,14 +244,13 @@ fn range(text: &str) -> Result<Option<Vec<f64>>, String> {
     if log && !(from > 0.0 && to > 0.0) {
         return Err(expected());
     }
-    // With exact ends.
-    let at = |i: usize| match (i, log) {
-        (0, _) => from,
-        (i, _) if i == n - 1 => to,
-        (i, true) => from * ((to / from).ln() * i as f64 / (n - 1) as f64).exp(),
-        (i, false) => from + (to - from) * i as f64 / (n - 1) as f64,
-    };
-    Ok(Some((0..n).map(at).collect()))
+    Ok(Some(match log {
+        true => logarithmic(from, to, n),
+        false => (0..n - 1)
+            .map(|i| from + (to - from) * i as f64 / (n - 1) as f64)
+            .chain([to])
+            .collect(),
+    }))
 }
 
 /// Random values of `NAME(PARAMETERS)`; `None` for other texts.

@@ -5,7 +5,7 @@ use super::design::Design;
 use super::output::Output;
 use super::plan::{Plan, default_method, part_of};
 use super::results::summarise_table;
-use super::run::{check_first, study, write_tables};
+use super::run::{study, write_tables};
 use super::summary::summarise;
 use super::table::TableError;
 use crate::cli::command_result::CommandResult;
@@ -17,6 +17,7 @@ use crate::experiment::conditions::Conditions;
 use crate::experiment::configuration::Configuration;
 use crate::experiment::key::Key;
 use crate::experiment::machine;
+use crate::experiment::parallel::thread_count;
 use crate::experiment::run::RunError;
 use crate::experiment::settings::settings;
 use crate::scene_file::{self, ModelChoice, SceneError, SceneFile, Selection};
@@ -40,10 +41,12 @@ pub fn run(context: &Context, args: &Scan, command: &str) -> Result<CommandResul
     });
     let scene = scene_file::load_for(context, &args.scene, Selection::Labels(wanted.as_deref()))?;
     let plan = plan(&scene, args, command)?;
-    check_first(&plan)?;
+    // A key or a listed value that the scene refuses is refused before anything runs.
+    if !plan.cells().is_empty() {
+        plan.scene_of(plan.cells().start)?;
+    }
     let mut folder = StudyFolder::of(&args.run.output, &scene, Study::Scan.as_str())?;
-    let cores = std::thread::available_parallelism().map_or(1, usize::from);
-    let threads = args.threads.map_or(cores, |n| n as usize);
+    let threads = thread_count(args.threads);
     let cells = plan.cells();
     let total = cells.end - cells.start;
     let made = folder.run(total as usize, |runner| study(&plan, runner, threads));

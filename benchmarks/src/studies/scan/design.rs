@@ -10,14 +10,15 @@
 //!
 //! Sensitivity indices need the samples of two independent matrices A and B, and A with one column of B after the other
 //! (A. Saltelli et al., *Comput. Phys. Commun.* 181 (2010) 259): `d + 2` variants of each sample with d random axes.
-//! They are sampled in [`REPLICATES`] groups with scramblings of their own, whose differences are the error of the
-//! indices.
+//! They are sampled in [`REPLICATES`] groups, each scrambled with another seed; the differences between the groups are
+//! the error of the indices.
 //!
 //! The cells of one sample follow each other: its variants, and for each the combinations of listed values, the last
 //! axis fastest. All combinations have the same samples, so that their differences are not those of the samples; and
 //! the first cells of a scan are a scan with fewer samples.
 
 use super::axis::{Axis, AxisValues, KeyPath, text};
+use gearbench_reference::hash::spread;
 use gearbench_reports::scan::Sampling;
 use toml_edit::Value;
 
@@ -40,6 +41,8 @@ pub struct Design {
     seed: u64,
     /// True if sensitivity indices are computed.
     indices: bool,
+    /// Number of combinations of listed values.
+    combinations: usize,
     /// For Latin hypercubes: the share of each sample, by random axis and variant A or B.
     shares: Vec<Vec<u32>>,
     cells: u64,
@@ -136,6 +139,7 @@ impl Design {
         }
         let mut design = Design {
             shares: Vec::new(),
+            combinations: 0,
             cells: 0,
             axes,
             sampling,
@@ -143,15 +147,13 @@ impl Design {
             seed,
             indices,
         };
-        let combinations = design.combinations();
-        let cells = combinations.and_then(|n| {
-            (n as u64)
-                .checked_mul(samples as u64)?
-                .checked_mul(design.variants() as u64)
-        });
-        design.cells = cells
-            .filter(|n| *n <= MOST_CELLS)
-            .ok_or("the scan has more than 1e12 cells")?;
+        let too_many = "the scan has more than 1e12 cells";
+        let combinations = design.lengths().try_fold(1, usize::checked_mul);
+        design.combinations = combinations.ok_or(too_many)?;
+        let cells = (design.combinations as u64)
+            .checked_mul(samples as u64)
+            .and_then(|n| n.checked_mul(design.variants() as u64));
+        design.cells = cells.filter(|n| *n <= MOST_CELLS).ok_or(too_many)?;
         if sampling == Sampling::Latin {
             design.shares = (0..dimensions)
                 .map(|d| design.latin(d, samples / groups, groups))
@@ -221,14 +223,14 @@ impl Design {
         })
     }
 
-    /// Number of combinations of listed values; `None` beyond what the computer can count.
-    fn combinations(&self) -> Option<usize> {
-        self.lengths().try_fold(1, usize::checked_mul)
+    /// Number of combinations of listed values.
+    pub fn combinations(&self) -> usize {
+        self.combinations
     }
 
     /// Place of a cell in the design.
     pub fn place(&self, cell: u64) -> Place {
-        let combinations = self.combinations().unwrap_or(1) as u64;
+        let combinations = self.combinations as u64;
         let (rest, combination) = (cell / combinations, cell % combinations);
         let variants = self.variants() as u64;
         Place {
@@ -331,15 +333,9 @@ impl Design {
     }
 }
 
-/// A number that depends on all bits of three numbers: the finaliser of SplitMix64 (Steele, Lea, Flood, OOPSLA 2014),
-/// once for each.
+/// A number that depends on all bits of three numbers.
 fn mixed(of: [u64; 3]) -> u64 {
-    of.into_iter().fold(0, |state: u64, x| {
-        let mut z = (state ^ x).wrapping_add(0x9e37_79b9_7f4a_7c15);
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    })
+    of.into_iter().fold(0, |state, x| spread(state ^ x))
 }
 
 #[cfg(test)]

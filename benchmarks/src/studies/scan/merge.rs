@@ -5,6 +5,7 @@ use super::command::finish;
 use super::results::summarise_table;
 use super::table::{TableWriter, header};
 use crate::cli::command_result::CommandResult;
+use crate::cli::files::is_same;
 use crate::cli::study_folder::StudyFolder;
 use crate::cli::terminal::Refusal;
 use crate::context::Context;
@@ -37,7 +38,7 @@ pub fn run(context: &Context, args: &Merge) -> Result<CommandResult, Refusal> {
     results.header.command = whole.0;
     let folder =
         StudyFolder::joining(context, &args.output, &results.header, Study::Scan.as_str())?;
-    if let Some(own) = parts.iter().find(|p| same(&p.folder, folder.path())) {
+    if let Some(own) = parts.iter().find(|p| is_same(&p.folder, folder.path())) {
         return Err(refuse(
             &own.folder,
             "the folder is a part of the scan",
@@ -72,12 +73,6 @@ fn refuse(folder: &Path, what: &str, help: &str) -> Refusal {
         "{}: {what}",
         folder.display()
     ))
-}
-
-fn same(a: &Path, b: &Path) -> bool {
-    a.canonicalize()
-        .ok()
-        .is_some_and(|a| b.canonicalize().is_ok_and(|b| a == b))
 }
 
 /// Reads the records of all parts and checks that each part of one scan is there once. Returns the record of the first
@@ -157,7 +152,7 @@ fn read(folders: &[PathBuf]) -> Result<(Results, Vec<PartOfScan>), Refusal> {
     Ok((results, parts))
 }
 
-/// What distinguishes a part from the first one; `None` for parts of one scan.
+/// Returns a sentence on the first difference between two parts; `None` for parts of one scan.
 fn difference(a: &ScanRecord, b: &ScanRecord) -> Option<String> {
     let [x, y] = [&a.identity, &b.identity];
     let of = |s: &ScanRecord| s.shard.map_or(0, |s| s.of);

@@ -31,7 +31,7 @@ pub struct Plan<'a> {
     pub has_yardstick: bool,
     /// Quantities that are recorded.
     pub outputs: Vec<Output>,
-    /// What the cells are computed from.
+    /// Program, scene and options that the cells are computed from.
     pub identity: ScanIdentity,
     /// The part of the cells that is computed; `None` for all.
     pub shard: Option<Shard>,
@@ -60,6 +60,11 @@ impl Plan<'_> {
         self.scene.with_text(&document.to_string())
     }
 
+    /// The keys of the outputs.
+    pub fn output_keys(&self) -> Vec<String> {
+        self.outputs.iter().map(|o| o.key().to_owned()).collect()
+    }
+
     /// The models and integrators of each cell.
     pub fn configurations(&self) -> Vec<ScanConfiguration> {
         let of = |(label, method): &(String, Scheme)| ScanConfiguration {
@@ -77,7 +82,7 @@ impl Plan<'_> {
             samples: self.design.is_sampled().then(|| self.design.record()),
             cells: self.design.cells(),
             shard: self.shard,
-            outputs: self.outputs.iter().map(|o| o.key().to_owned()).collect(),
+            outputs: self.output_keys(),
             configurations: self.configurations(),
             ..ScanRecord::default()
         })))

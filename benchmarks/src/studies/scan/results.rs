@@ -2,9 +2,9 @@
 
 use super::design::Design;
 use super::statistics::{Statistics, Visit};
-use super::table::{CELLS, TableError, read_rows};
+use super::table::{CELLS, TableError, TableRow, read_rows};
 use gearbench_reports::record::{Part, Results, Status};
-use gearbench_reports::scan::{FailureCount, ScanRecord, ShownRow};
+use gearbench_reports::scan::{FailureCount, ShownRow};
 use std::path::Path;
 
 /// Largest number of rows that a record keeps for charts.
@@ -26,11 +26,20 @@ pub fn summarise_table(
     let keys = design.axes().iter().map(|a| a.keys.len()).sum();
     let sizes = (keys, record.configurations.len(), record.outputs.len());
     let path = folder.join(CELLS);
-    record.failures = failures(&path, sizes)?;
-    if record.shard.is_some() {
+    let whole = record.shard.is_none();
+    let mut unaffected = Unaffected::of(sizes.1, design.cells());
+    let mut shown = ShownRows::of(design, sizes.1);
+    read_rows(&path, sizes, &mut |row| {
+        count_failure(&mut record.failures, &row);
+        if whole {
+            unaffected.see(&row);
+            shown.see(&row);
+        }
+    })?;
+    if !whole {
         return Ok(());
     }
-    record.unaffected = unaffected(&path, sizes, design.cells())?;
+    (record.unaffected, record.shown) = (unaffected.configurations(), shown.rows);
     let rows = |visit: &mut Visit<'_>| {
         read_rows(&path, sizes, &mut |row| {
             visit(row.cell, row.configuration, row.outputs)
@@ -38,102 +47,113 @@ pub fn summarise_table(
     };
     let found = Statistics::of(design, (sizes.1, sizes.2), &rows)?;
     (record.statistics, record.indices) = (found.samples, found.indices);
-    record.shown = shown(record, design, &path, sizes)?;
     Ok(())
 }
 
-/// Counts of failed runs by configuration and status, in the order of their first cells.
-fn failures(path: &Path, sizes: (usize, usize, usize)) -> Result<Vec<FailureCount>, TableError> {
-    let mut all: Vec<FailureCount> = Vec::new();
-    read_rows(path, sizes, &mut |row| {
-        let status = Status::ALL.into_iter().find(|s| s.as_str() == row.status);
-        let status = status.unwrap_or_default();
-        if !status.is_failure() {
-            return;
-        }
-        let same =
-            |f: &&mut FailureCount| (f.configuration, f.status) == (row.configuration, status);
-        match all.iter_mut().find(same) {
-            Some(known) => known.count += 1,
-            None => all.push(FailureCount {
-                configuration: row.configuration,
-                status,
-                count: 1,
-                first_cell: row.cell + 1,
-                message: row.message.to_owned(),
-            }),
-        }
-    })?;
-    Ok(all)
+/// Counts a failed run by configuration and status, in the order of their first cells.
+fn count_failure(all: &mut Vec<FailureCount>, row: &TableRow<'_>) {
+    let status = Status::ALL.into_iter().find(|s| s.as_str() == row.status);
+    let status = status.unwrap_or_default();
+    if !status.is_failure() {
+        return;
+    }
+    let same = |f: &&mut FailureCount| (f.configuration, f.status) == (row.configuration, status);
+    match all.iter_mut().find(same) {
+        Some(known) => known.count += 1,
+        None => all.push(FailureCount {
+            configuration: row.configuration,
+            status,
+            count: 1,
+            first_cell: row.cell + 1,
+            message: row.message.to_owned(),
+        }),
+    }
 }
 
-/// Configurations whose outputs are the same in all cells, of which there are several.
-fn unaffected(
-    path: &Path,
-    sizes: (usize, usize, usize),
-    cells: u64,
-) -> Result<Vec<usize>, TableError> {
-    let mut first: Vec<Option<Vec<f64>>> = vec![None; sizes.1];
-    let mut same = vec![cells > 1; sizes.1];
-    let equal = |a: &[f64], b: &[f64]| a.iter().zip(b).all(|(a, b)| a.to_bits() == b.to_bits());
-    read_rows(path, sizes, &mut |row| match &first[row.configuration] {
-        None => first[row.configuration] = Some(row.outputs.to_vec()),
-        Some(first) => same[row.configuration] &= equal(first, row.outputs),
-    })?;
-    let has_values = |c: &usize| first[*c].iter().flatten().any(|x| x.is_finite());
-    Ok((0..sizes.1)
-        .filter(|c| same[*c])
-        .filter(has_values)
-        .collect())
+/// Finds the configurations whose outputs are the same in all cells, of which there are several.
+struct Unaffected {
+    /// Outputs of the first cell of each configuration.
+    first: Vec<Option<Vec<f64>>>,
+    same: Vec<bool>,
+}
+
+impl Unaffected {
+    fn of(configurations: usize, cells: u64) -> Self {
+        Unaffected {
+            first: vec![None; configurations],
+            same: vec![cells > 1; configurations],
+        }
+    }
+
+    fn see(&mut self, row: &TableRow<'_>) {
+        let equal = |a: &[f64], b: &[f64]| a.iter().zip(b).all(|(a, b)| a.to_bits() == b.to_bits());
+        match &self.first[row.configuration] {
+            None => self.first[row.configuration] = Some(row.outputs.to_vec()),
+            Some(first) => self.same[row.configuration] &= equal(first, row.outputs),
+        }
+    }
+
+    fn configurations(&self) -> Vec<usize> {
+        let has_values = |c: &usize| self.first[*c].iter().flatten().any(|x| x.is_finite());
+        let all = (0..self.same.len()).filter(|c| self.same[*c]);
+        all.filter(has_values).collect()
+    }
 }
 
 /// Rows of charts: of samples the first ones, which are a scan with fewer samples; of listed values evenly spaced ones.
-fn shown(
-    record: &ScanRecord,
-    design: &Design,
-    path: &Path,
-    sizes: (usize, usize, usize),
-) -> Result<Vec<ShownRow>, TableError> {
-    let most = (MOST_SHOWN / record.configurations.len().max(1) as u64).max(1);
-    let step = match design.is_sampled() {
-        true => 1,
-        // An odd number, so that the last axis does not show one value alone.
-        false => design.cells().div_ceil(most) | 1,
-    };
-    let mut all = Vec::new();
-    let mut cells = 0;
-    let mut last = None;
-    read_rows(path, sizes, &mut |row| {
-        let place = design.place(row.cell);
-        if place.variant > 1 || row.cell % step != 0 {
+struct ShownRows<'d> {
+    design: &'d Design,
+    /// Largest number of cells.
+    most: u64,
+    /// Distance between cells.
+    step: u64,
+    cells: u64,
+    last: Option<u64>,
+    rows: Vec<ShownRow>,
+}
+
+impl<'d> ShownRows<'d> {
+    fn of(design: &'d Design, configurations: usize) -> Self {
+        let most = (MOST_SHOWN / configurations.max(1) as u64).max(1);
+        ShownRows {
+            design,
+            most,
+            step: match design.is_sampled() {
+                true => 1,
+                // An odd number, so that the last axis does not show one value alone.
+                false => design.cells().div_ceil(most) | 1,
+            },
+            cells: 0,
+            last: None,
+            rows: Vec::new(),
+        }
+    }
+
+    fn see(&mut self, row: &TableRow<'_>) {
+        let place = self.design.place(row.cell);
+        if place.variant > 1 || !row.cell.is_multiple_of(self.step) {
             return;
         }
-        if last != Some(row.cell) {
-            last = Some(row.cell);
-            cells += 1;
+        if self.last.replace(row.cell) != Some(row.cell) {
+            self.cells += 1;
         }
-        if cells > most {
+        if self.cells > self.most {
             return;
         }
         let mut values = row.values.iter();
-        let firsts = design.axes().iter().map(|axis| {
-            let first = values.next().and_then(|text| text.parse::<f64>().ok());
-            (1..axis.keys.len()).for_each(|_| {
-                values.next();
-            });
+        let firsts = self.design.axes().iter().map(|axis| {
+            let mut own = values.by_ref().take(axis.keys.len());
+            let first = own.next().and_then(|text| text.parse::<f64>().ok());
+            own.for_each(drop);
             first
         });
-        all.push(ShownRow {
+        let finite = |x: &f64| x.is_finite().then_some(*x);
+        self.rows.push(ShownRow {
             cell: row.cell + 1,
             configuration: row.configuration,
-            at: design.positions(place.combination),
+            at: self.design.positions(place.combination),
             values: firsts.collect(),
-            outputs: row
-                .outputs
-                .iter()
-                .map(|x| x.is_finite().then_some(*x))
-                .collect(),
+            outputs: row.outputs.iter().map(finite).collect(),
         });
-    })?;
-    Ok(all)
+    }
 }

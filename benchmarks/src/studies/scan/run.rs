@@ -4,6 +4,7 @@
 //! thread has finished about three times a second: a piece begins at a known cell, and says where it ends. An interrupted scan
 //! takes up the pieces of each lane, one behind the other, and goes on behind the last.
 
+use super::output::Output;
 use super::plan::Plan;
 use super::table::{CellRun, TableError, TableWriter, header};
 use crate::experiment::conditions::{Conditions, even};
@@ -21,7 +22,7 @@ use gearbench_reports::series::TimeSeries;
 use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::Path;
-use std::sync::Mutex;
+use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 /// Number of lanes, if there are enough cells.
@@ -80,7 +81,7 @@ pub fn study(
                     if made.is_empty() {
                         break;
                     }
-                    runner.piece(key, || Ok::<_, JournalError>(made))?
+                    runner.store(key, made)?
                 }
             };
             advance(piece.len());
@@ -89,8 +90,8 @@ pub fn study(
         lock(&done).insert(lane.start, finished);
         Ok::<(), JournalError>(())
     })?;
-    let done = std::mem::take(&mut *lock(&done));
-    Ok(FinishedCells(done))
+    let done = done.into_inner();
+    Ok(FinishedCells(done.unwrap_or_else(PoisonError::into_inner)))
 }
 
 /// Runs cells one after the other for a part of a second, at least one; none after an interruption.
@@ -111,20 +112,15 @@ fn piece(plan: &Plan<'_>, runner: &Runner<'_>, cells: Range<u64>) -> Vec<Vec<Cel
 
 /// Runs all models in the scene of a cell; `None` after an interruption.
 fn runs(plan: &Plan<'_>, runner: &Runner<'_>, cell: u64) -> Option<Vec<CellRun>> {
-    let refused = |e: &SceneError| CellRun {
-        status: Status::Refused,
-        outputs: vec![None; plan.outputs.len()],
-        message: e.to_text(),
-        cpu_s: 0.0,
+    let without_scene = |status: Status, message: String| {
+        let run = CellRun::without_result(status, message, plan.outputs.len());
+        Some(vec![run; plan.runs.len()])
     };
     let scene = match runner.attempt(|| plan.scene_of(cell)) {
         Ok(scene) => scene,
         Err(WorkError::Interrupted) => return None,
-        Err(WorkError::Error(e)) => return Some(vec![refused(&e); plan.runs.len()]),
-        Err(WorkError::Panic(why)) => {
-            let e = SceneError::plain(why, "");
-            return Some(vec![refused(&e); plan.runs.len()]);
-        }
+        Err(WorkError::Error(e)) => return without_scene(Status::Refused, e.to_text()),
+        Err(WorkError::Panic(why)) => return without_scene(Status::Aborted, why),
     };
     let mut yardstick: Option<TimeSeries> = None;
     let mut all = Vec::with_capacity(plan.runs.len());
@@ -152,16 +148,8 @@ fn one(
     target: Option<&TimeSeries>,
 ) -> Option<(CellRun, Option<TimeSeries>)> {
     let failed = |status: Status, message: String| {
-        let outputs = vec![None; plan.outputs.len()];
-        Some((
-            CellRun {
-                status,
-                outputs,
-                message,
-                cpu_s: 0.0,
-            },
-            None,
-        ))
+        let run = CellRun::without_result(status, message, plan.outputs.len());
+        Some((run, None))
     };
     let Some(choice) = scene.model(label) else {
         return failed(Status::Refused, format!("the scene has no model `{label}`"));
@@ -174,7 +162,7 @@ fn one(
     };
     let grid = even(conditions.samples, conditions.duration);
     let job = Job {
-        paths: plan.outputs.contains(&super::output::Output::Efficiency),
+        paths: plan.outputs.contains(&Output::Efficiency),
         ..conditions.job((&entry.scene, &entry.modelling), method, &grid)
     };
     let mut row: Run = match runner.attempt(|| run(&job)) {
@@ -227,25 +215,12 @@ pub fn write_tables(
     folder: &Path,
     finished: FinishedCells,
 ) -> Result<(), TableError> {
-    let outputs: Vec<String> = plan.outputs.iter().map(|o| o.key().to_owned()).collect();
     let configurations = plan.configurations();
-    let mut writer = TableWriter::begin(folder, &header(&plan.design, &outputs))?;
+    let mut writer = TableWriter::begin(folder, &header(&plan.design, &plan.output_keys()))?;
     for (begin, lane) in finished.0 {
         for (cell, runs) in (begin..).zip(lane) {
             writer.write(cell, &plan.design.texts(cell), &configurations, &runs)?;
         }
     }
     writer.commit()
-}
-
-/// Checks that the scene of the first cell can be read and that some model can be built in it, before anything runs.
-///
-/// # Errors
-/// [`SceneError`] with the reason.
-pub fn check_first(plan: &Plan<'_>) -> Result<(), SceneError> {
-    let cells = plan.cells();
-    if cells.is_empty() {
-        return Ok(());
-    }
-    plan.scene_of(cells.start).map(|_| ())
 }

@@ -1,7 +1,8 @@
 //! Changes of keys in the text of a scene.
 
 use super::axis::KeyPath;
-use toml_edit::{DocumentMut, InlineTable, Item, TableLike, Value};
+use crate::scene_file::changes;
+use toml_edit::{DocumentMut, Item, TableLike, Value};
 
 /// Name of the keys by which the path of a key names an entry of a list.
 const NAMES: [&str; 3] = ["label", "name", "model"];
@@ -30,26 +31,13 @@ fn in_table(table: &mut dyn TableLike, path: &[String], value: &Value) -> Result
         return names.into_iter().try_for_each(of_one);
     }
     if rest.is_empty() {
-        match table.get_mut(name).and_then(Item::as_value_mut) {
-            Some(old) => {
-                // Comments behind a value stay.
-                let decor = old.decor().clone();
-                *old = value.clone();
-                *old.decor_mut() = decor;
-            }
-            None => {
-                table.insert(name, Item::Value(value.clone()));
-            }
-        }
+        changes::set(table, name, value.clone());
         return Ok(());
     }
-    let item = match table.contains_key(name) {
-        true => table.get_mut(name),
-        false => {
-            let new = Item::Value(InlineTable::new().into());
-            Some(table.entry(name).or_insert(new))
-        }
-    };
+    if !table.contains_key(name) {
+        changes::inner(table, name);
+    }
+    let item = table.get_mut(name);
     let item = item.ok_or_else(|| format!("there is no `{name}`"))?;
     in_item(item, name, rest, value)
 }

@@ -16,8 +16,8 @@
 //! S_j = mean(f_B (f_AB - f_A)) / V,     T_j = mean((f_A - f_AB)^2) / (2 V),     V the variance of f_A and f_B
 //! ```
 //!
-//! f counts from its mean. An index is the ratio of two means over [`REPLICATES`] groups of samples with scramblings of
-//! their own; its interval is that of a ratio (Student's t of the numerators less the index times the denominators).
+//! f counts from its mean. An index is the ratio of two means over [`REPLICATES`] groups of samples, each
+//! scrambled with another seed; its interval is that of a ratio (Student's t of the numerators less the index times the denominators).
 
 use super::design::{Design, REPLICATES};
 use gearbench_reports::scan::{SampleStatistics, SensitivityIndex};
@@ -172,10 +172,7 @@ impl Statistics {
         (configurations, outputs): (usize, usize),
         rows: &dyn Fn(&mut Visit<'_>) -> Result<(), E>,
     ) -> Result<Self, E> {
-        let combinations = design
-            .lengths()
-            .try_fold(1, usize::checked_mul)
-            .unwrap_or(usize::MAX);
+        let combinations = design.combinations();
         let sizes = Sizes {
             combinations,
             configurations,

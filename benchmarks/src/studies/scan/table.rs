@@ -18,6 +18,8 @@ pub const TIMINGS: &str = "timings.csv";
 const CELL: &str = "cell";
 const MIDDLE: [&str; 3] = ["model", "integrator", "status"];
 const MESSAGE: &str = "message";
+/// Names of the columns of `timings.csv`.
+const HEADER_OF_TIMINGS: [&str; 4] = [CELL, MIDDLE[0], MIDDLE[1], "cpu_s"];
 
 /// Result of one run of a cell.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -31,6 +33,18 @@ pub struct CellRun {
     pub message: String,
     /// Processor time of the integration [s].
     pub cpu_s: f64,
+}
+
+impl CellRun {
+    /// A run that has none of `outputs` results.
+    pub fn without_result(status: Status, message: String, outputs: usize) -> Self {
+        CellRun {
+            status,
+            outputs: vec![None; outputs],
+            message,
+            cpu_s: 0.0,
+        }
+    }
 }
 
 /// A reason why a table cannot be read.
@@ -94,8 +108,7 @@ impl TableWriter {
             timings: open(TIMINGS)?,
         };
         all.cells.write_record(header)?;
-        all.timings
-            .write_record([CELL, MIDDLE[0], MIDDLE[1], "cpu_s"])?;
+        all.timings.write_record(HEADER_OF_TIMINGS)?;
         Ok(all)
     }
 
@@ -183,7 +196,7 @@ impl TableWriter {
         copy(
             TIMINGS,
             &mut self.timings,
-            &[CELL, MIDDLE[0], MIDDLE[1], "cpu_s"].map(str::to_owned),
+            &HEADER_OF_TIMINGS.map(str::to_owned),
         )
     }
 

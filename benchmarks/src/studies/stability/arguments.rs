@@ -2,7 +2,8 @@
 
 use crate::cli::arguments::BoundedOutput;
 use crate::cli::values::{positive_load, time};
-use crate::studies::stability::axis::{Axis, spaced};
+use crate::experiment::conditions::logarithmic;
+use crate::studies::stability::axis::Axis;
 use crate::studies::stability::scene::{AxisValues, COLUMNS, MOST, ROWS, Span};
 use clap::Args;
 
@@ -131,7 +132,7 @@ fn axis(text: &str) -> Result<AxisValues, String> {
         axis.defaults()
     } else if rest.contains(':') {
         let s = ends(rest, ROWS, number)?;
-        spaced(s.from, s.to, s.points)
+        logarithmic(s.from, s.to, s.points)
     } else {
         rest.split(',').map(number).collect::<Result<_, _>>()?
     };

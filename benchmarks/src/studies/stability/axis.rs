@@ -1,5 +1,7 @@
 //! Parameters of a stability map: their names, ranges and values.
 
+use crate::experiment::conditions::logarithmic;
+
 /// Parameter that an axis of a stability map varies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -81,8 +83,8 @@ impl Axis {
     /// Returns the default values of the parameter; empty where no values suit every scene.
     pub fn defaults(self) -> Vec<f64> {
         match self {
-            Axis::ContactStiffness => spaced(0.1, 100.0, 7),
-            Axis::Speed => spaced(0.25, 4.0, 5),
+            Axis::ContactStiffness => logarithmic(0.1, 100.0, 7),
+            Axis::Speed => logarithmic(0.25, 4.0, 5),
             Axis::Damping => vec![0.0, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5],
             Axis::Modes => vec![0.0, 10.0, 25.0, 50.0, 100.0, 200.0],
             Axis::RhoInf => vec![0.0, 0.2, 0.4, 0.6, 0.8, 1.0],
@@ -100,15 +102,4 @@ impl Axis {
     pub fn is_of_method(self) -> bool {
         matches!(self, Axis::RhoInf | Axis::HhtAlpha)
     }
-}
-
-/// Returns values from one end to the other, evenly spaced on a logarithmic scale, with exact ends.
-pub fn spaced(from: f64, to: f64, points: usize) -> Vec<f64> {
-    let last = points.max(2) - 1;
-    let at = |i: usize| match i {
-        0 => from,
-        i if i == last => to,
-        i => from * ((to / from).ln() * i as f64 / last as f64).exp(),
-    };
-    (0..=last).map(at).collect()
 }

@@ -1,7 +1,7 @@
 //! `gearbench stability SCENE`: maps of where methods fail.
 
 use super::arguments::Stability;
-use super::axis::{Axis, spaced};
+use super::axis::Axis;
 use super::cell::tolerance;
 use super::plan::{MapPlan, Plan, PlannedAxis};
 use super::run::{Timings, study};
@@ -14,7 +14,9 @@ use crate::cli::study_folder::StudyFolder;
 use crate::cli::terminal::{Refusal, refuse_run, refuse_study};
 use crate::context::Context;
 use crate::experiment::conditions::Conditions;
+use crate::experiment::conditions::logarithmic;
 use crate::experiment::configuration::Configuration;
+use crate::experiment::parallel::thread_count;
 use crate::experiment::run::RunError;
 use crate::experiment::settings::settings;
 use crate::scene_file::{self, ModelChoice, SceneError, SceneFile, Selection};
@@ -56,8 +58,7 @@ pub fn run(context: &Context, args: &Stability, command: &str) -> Result<Command
     scene.build_selected(&chosen.iter().map(String::as_str).collect::<Vec<_>>())?;
     let plan = plan(&scene, args, command)?;
     let mut folder = StudyFolder::of(&args.run.output, &scene, Study::Stability.as_str())?;
-    let cores = std::thread::available_parallelism().map_or(1, usize::from);
-    let threads = args.threads.map_or(cores, |n| n as usize);
+    let threads = thread_count(args.threads);
     let made = folder.run(plan.cells(), |runner| study(&plan, runner, threads));
     let (results, timings) = made.map_err(|e| folder.refuse(refuse_study(&scene, e)))?;
     let answer = folder.finish(results, |_| Exit::Done, summarise)?;
@@ -128,7 +129,7 @@ fn sets(scene: &SceneFile, args: &Stability) -> Result<Vec<StabilitySet>, Refusa
                 && let (Some(&from), Some(&to)) = (values.first(), values.last())
                 && from > 0.0
             {
-                *values = spaced(from, to, rows);
+                *values = logarithmic(from, to, rows);
             }
         }
     }
@@ -268,14 +269,14 @@ fn map(
     let adaptive = info.stepping == Stepping::Adaptive;
     let at = if adaptive {
         set.tolerances.map_or_else(
-            || spaced(TOLERANCES[0], TOLERANCES[1], about.columns),
+            || logarithmic(TOLERANCES[0], TOLERANCES[1], about.columns),
             |s| s.values(),
         )
     } else {
         set.steps.map_or_else(
             || {
                 let [from, to] = STEPS.map(|x| x * about.characteristic_time);
-                spaced(from, to.min(duration).max(2.0 * from), about.columns)
+                logarithmic(from, to.min(duration).max(2.0 * from), about.columns)
             },
             |s| s.values(),
         )

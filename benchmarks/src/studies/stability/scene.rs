@@ -1,6 +1,7 @@
 //! `[study] stability` of a scene: maps that are computed by default, without options on the command line.
 
-use super::axis::{Axis, spaced};
+use super::axis::Axis;
+use crate::experiment::conditions::logarithmic;
 use crate::scene_file::SceneError;
 use crate::scene_file::reading::Place;
 use crate::scene_file::reading::keys::keys;
@@ -72,7 +73,7 @@ impl Span {
     /// Returns the values, evenly spaced on a logarithmic scale.
     #[must_use]
     pub fn values(&self) -> Vec<f64> {
-        spaced(self.from, self.to, self.points)
+        logarithmic(self.from, self.to, self.points)
     }
 }
 

@@ -225,8 +225,8 @@ fn with_parameter(method: MethodSpec, name: &str, value: f64) -> Result<MethodSp
 mod tests {
     use super::*;
     use crate::context::Context;
+    use crate::experiment::conditions::logarithmic;
     use crate::scene_file::{Selection, load_for};
-    use crate::studies::stability::axis::spaced;
     use gearbench_integrators::table::NEWMARK;
     use gearbench_models::scene::Scene;
 
@@ -321,7 +321,7 @@ mod tests {
             assert!(values.iter().all(|x| (low..=high).contains(x)), "{axis:?}");
             assert!(values.windows(2).all(|w| w[0] < w[1]), "{axis:?}");
         }
-        let s = spaced(1e-8, 1e-5, 4);
+        let s = logarithmic(1e-8, 1e-5, 4);
         assert!((s[1] / 1e-7 - 1.0).abs() < 1e-12 && s[3] == 1e-5);
     }
 }

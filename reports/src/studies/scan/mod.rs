@@ -43,7 +43,7 @@ impl std::str::FromStr for Sampling {
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct ScanRecord {
-    /// What the cells are computed from: all shards of a scan have the same.
+    /// Program, scene and options that the cells are computed from: all shards of a scan have the same.
     pub identity: ScanIdentity,
     /// Axes of the scan.
     pub axes: Vec<ScanAxis>,
@@ -76,7 +76,7 @@ pub struct ScanRecord {
     pub shown: Vec<ShownRow>,
 }
 
-/// What the cells of a scan are computed from.
+/// Program, scene and options that the cells of a scan are computed from.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct ScanIdentity {

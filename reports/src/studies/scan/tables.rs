@@ -139,7 +139,7 @@ fn indices(record: &ScanRecord) -> Markup {
         .columns_by_key(&columns, &["total"], of)
         .written("95 % interval of total", "", |s| interval(s.total));
     let remark = "Sobol indices: share of the variance that an axis causes alone (first order), and alone and together \
-                  with others (total). Intervals are those of a mean over groups of samples with scramblings of their own.";
+                  with others (total). Intervals follow from the differences between groups of samples, each scrambled with another seed.";
     section("Sensitivity", html! { (table) (note(remark)) })
 }
 

@@ -46,7 +46,7 @@ fn plan(methods: &[MethodSpec]) -> Plan {
             method,
             implicit: method.info().implicit,
             columns: Columns::Step,
-            at: crate::studies::stability::axis::spaced(5e-7, 1.5e-4, 8),
+            at: crate::experiment::conditions::logarithmic(5e-7, 1.5e-4, 8),
             axes: vec![
                 PlannedAxis::new(Axis::ContactStiffness, &[0.1, 0.99, 10.0], &setup).unwrap(),
             ],
