@@ -7,16 +7,19 @@
 use crate::csv_table::{CsvTable, named_unit, number};
 use crate::markup::column::{Format, Rank};
 use crate::record::Status;
+use serde::{Deserialize, Serialize};
 
 /// The value of a cell.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[serde(untagged)]
 pub enum Value {
     /// No value: an empty cell.
     Absent,
-    /// A number in SI units.
-    Number(f64),
     /// A count.
     Count(u64),
+    /// A number in SI units.
+    Number(f64),
     /// A text.
     Text(String),
 }
@@ -29,6 +32,14 @@ impl Value {
             Value::Number(x) => number(x),
             Value::Count(n) => n.to_string(),
             Value::Text(text) => text,
+        }
+    }
+
+    /// Returns the value as a text; `None` of numbers.
+    pub fn as_text(&self) -> Option<&str> {
+        match self {
+            Value::Text(text) => Some(text),
+            _ => None,
         }
     }
 
@@ -71,10 +82,15 @@ impl<T: Into<Value>> From<Option<T>> for Value {
 
 /// A column: its heading and format where pages show it, and its value in a row.
 pub struct Column<'c, R> {
+    /// Name of the column in CSV files, with its SI unit at the end.
     pub key: String,
-    meaning: String,
+    /// Meaning in words, for the dictionary.
+    pub meaning: String,
+    /// Heading and format on pages; `None` for a column of the CSV file alone.
     pub shown: Option<(String, Format)>,
+    /// Rank among the columns of a page.
     pub rank: Rank,
+    /// Value in a row.
     pub value: Box<dyn Fn(&R) -> Value + 'c>,
 }
 
@@ -90,6 +106,7 @@ impl<R> Column<'_, R> {
 pub struct Columns<'c, R> {
     file: String,
     rows: String,
+    /// The columns, in the order of the file.
     pub all: Vec<Column<'c, R>>,
 }
 

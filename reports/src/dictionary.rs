@@ -15,7 +15,8 @@ pub const RECORD_SCHEMA: &str = include_str!("../../docs/results.schema.json");
 /// The document on data of a study, with the columns of all CSV files: `docs/data.md`.
 pub const DATA_DICTIONARY: &str = include_str!("../../docs/data.md");
 
-/// Returns the descriptions of all CSV files of studies. In the names of files and columns, words in capitals are
+/// Returns the descriptions of the CSV files of the studies of this crate; studies whose results are one table have
+/// theirs. In the names of files and columns, words in capitals are
 /// placeholders.
 pub fn files() -> Vec<FileDescription> {
     let mut all = histories::files();
@@ -23,11 +24,11 @@ pub fn files() -> Vec<FileDescription> {
     all
 }
 
-/// True if the dictionary has the column in the table of the file. `runs.csv` of a study without runs, and the histories
+/// True if the descriptions have the column in the table of the file. `runs.csv` of a study without runs, and the histories
 /// of an identification, have the columns of other tables.
-pub fn is_described(file: &str, column: &str) -> bool {
+pub fn is_described(files: &[FileDescription], file: &str, column: &str) -> bool {
     let of_others = [RUNS, "identify_histories.csv"].contains(&file);
-    files().iter().any(|f| {
+    files.iter().any(|f| {
         (of_others || fits(&f.file, file)) && f.columns.iter().any(|(key, _)| fits(key, column))
     })
 }
@@ -45,6 +46,31 @@ impl FileDescription {
         }
         text
     }
+}
+
+/// Returns the document with the tables of columns: that of a file whose name is in the heading of a section takes the
+/// place of the table of the section. Those of the other files, each under a heading of its own, are the end.
+pub fn with_tables(document: &str, mut files: Vec<FileDescription>) -> String {
+    let prose = document.split("\n### ").next().unwrap_or(document);
+    let mut text = String::new();
+    let mut table = None;
+    for line in prose.lines() {
+        if line.starts_with('#') {
+            let named = |f: &FileDescription| line.contains(&format!("`{}`", f.file));
+            let place = files.iter().position(named);
+            table = place.map(|i| files.remove(i).to_markdown());
+        }
+        match (&mut table, line.starts_with('|')) {
+            // The first line of the old table becomes the whole new one.
+            (Some(table), true) => text.push_str(&std::mem::take(table)),
+            _ => text.push_str(&format!("{line}\n")),
+        }
+    }
+    for f in files {
+        let (name, rows, table) = (&f.file, &f.rows, f.to_markdown());
+        text.push_str(&format!("\n### `{name}`\n\n{rows}\n\n{table}"));
+    }
+    text
 }
 
 /// True if a text matches a name in which a word in capitals stands for any text.
@@ -67,7 +93,7 @@ mod tests {
     use crate::record::Results;
     use serde_json::Value;
 
-    const DESCRIPTION: &str = "The record of a study, format version 1. Keys may be added; none is renamed or given another meaning without a new \
+    const DESCRIPTION: &str = "The record of a study, format version 2. Keys may be added; none is renamed or given another meaning without a new \
         version. Quantities are in SI units, with the unit at the end of the name; a quantity that was not measured or is not finite is absent.";
 
     #[test]
@@ -75,41 +101,8 @@ mod tests {
         assert!(fits("speed_GEAR_rad_s", "speed_sun wheel_rad_s"));
         assert!(!fits("speed_GEAR_rad_s", "speed__m_s") && !fits("speed_GEAR_rad_s", "speed_"));
         assert!(fits("bearing_GEAR_N_n", "bearing_a_3_n") && fits("time_s", "time_s"));
-        let has = |column: &str| is_described("run01-rigid-rk4.csv", column);
+        let has = |column: &str| is_described(&files(), "run01-rigid-rk4.csv", column);
         assert!(has("time_s") && !has("time_h") && !has("set"));
-    }
-
-    /// The tables of `docs/data.md` are those of the declarations; `GEARBENCH_UPDATE_GOLDEN=1` writes them.
-    #[test]
-    fn the_tables_of_columns_are_those_of_the_declarations() {
-        let text = with_tables(DATA_DICTIONARY);
-        stored("data.md", DATA_DICTIONARY, &text);
-    }
-
-    /// Returns the document with the tables of columns: that of a file whose name is in the heading of a section takes the
-    /// place of the table of the section. Those of the other files, each under a heading of its own, are the end.
-    fn with_tables(document: &str) -> String {
-        let mut files = files();
-        let prose = document.split("\n### ").next().unwrap_or(document);
-        let mut text = String::new();
-        let mut table = None;
-        for line in prose.lines() {
-            if line.starts_with('#') {
-                let named = |f: &FileDescription| line.contains(&format!("`{}`", f.file));
-                let place = files.iter().position(named);
-                table = place.map(|i| files.remove(i).to_markdown());
-            }
-            match (&mut table, line.starts_with('|')) {
-                // The first line of the old table becomes the whole new one.
-                (Some(table), true) => text.push_str(&std::mem::take(table)),
-                _ => text.push_str(&format!("{line}\n")),
-            }
-        }
-        for f in files {
-            let (name, rows, table) = (&f.file, &f.rows, f.to_markdown());
-            text.push_str(&format!("\n### `{name}`\n\n{rows}\n\n{table}"));
-        }
-        text
     }
 
     /// Asserts that a stored document is the text that the code makes, or writes it.

@@ -4,7 +4,7 @@
 //! ([`metrics`]), the charts and the page, so that these can be drawn again at any time. This crate does not depend on
 //! models or integrators; its tables iterate over the records.
 
-mod columns;
+pub mod columns;
 mod csv_table;
 pub mod dictionary;
 mod drawing;
@@ -26,6 +26,7 @@ pub use csv_table::CsvTable;
 pub use drawing::{Chart, DrawError};
 pub use force::ForceHistory;
 pub use histories::{ContactEvent, Histories, PairSample, SprungTooth};
+pub use markup::column::Format;
 pub use metrics::{FinishedRun, Metric, UnfinishedRun, compare};
 pub use record::{
     ContactPoint, ContactSnapshot, DeformedSection, FlankGrid, FlankLoad, FlankPatch, FlankValue,
@@ -40,7 +41,7 @@ pub use studies::choose::{
 };
 pub use studies::{
     StudyReport, check, choice_check, compare as comparison, coupling, finding, identify,
-    measured_lines, modes, precision, response, run_up, scan, stability, stiffness, sweep,
-    truncation,
+    measured_lines, modes, precision, response, run_up, runs, scan, stability, stiffness, sweep,
+    tabular, truncation,
 };
 pub use view::{metric_against, yardstick_of};

@@ -116,6 +116,16 @@ pub fn counted(n: usize, one: &str, many: &str) -> String {
     format!("{} {}", count(n as u64), if n == 1 { one } else { many })
 }
 
+/// Formats a time with three digits in the unit that suits it, from nanoseconds to days: `12.5 ms`, `3.4 h`.
+pub fn duration(seconds: f64) -> String {
+    const LONG: [(f64, &str); 3] = [(86_400.0, "days"), (3600.0, "h"), (60.0, "min")];
+    let long = LONG.into_iter().find(|(unit, _)| seconds >= 2.0 * unit);
+    match long {
+        Some((unit, name)) => format!("{}\u{a0}{name}", significant(seconds / unit, 3)),
+        None => quantity(seconds, "s", 3),
+    }
+}
+
 /// Returns a ratio of costs or steps in words, `2.8 times `; an empty text where it rounds to 1.0.
 pub fn times(ratio: f64) -> String {
     match significant(ratio, 2).as_str() {
@@ -220,6 +230,23 @@ fn minus(text: String) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn durations_have_the_unit_that_suits_them() {
+        let texts = [2.5e-8, 0.0125, 90.0, 150.0, 12_000.0, 1e6].map(duration);
+        let plain = texts.map(|t| t.replace('\u{a0}', " "));
+        assert_eq!(
+            plain,
+            [
+                "25.0 ns",
+                "12.5 ms",
+                "90.0 s",
+                "2.50 min",
+                "3.33 h",
+                "11.6 days"
+            ]
+        );
+    }
 
     #[test]
     fn masses_have_one_prefix() {

@@ -9,7 +9,7 @@ use crate::csv_table::{CsvTable, number};
 use crate::drawing::canvas::DrawError;
 use crate::histories::ENDINGS;
 use crate::markup::page;
-use crate::record::{ReferenceSeries, Results, SCHEMA, slug};
+use crate::record::{ReferenceSeries, Results, SCHEMA, slug, version_1};
 use crate::series::TimeSeries;
 use crate::studies::{Study, report};
 use crate::view::View;
@@ -140,16 +140,25 @@ fn parse(text: &str, path: &Path) -> Result<Results, ReportError> {
         ))
     };
     let version: Version = serde_json::from_str(text).map_err(broken)?;
-    if version.schema != SCHEMA {
+    if !(version_1::SCHEMA..=SCHEMA).contains(&version.schema) {
         return Err(refuse(format!(
-            "the record has schema {}, this version reads schema {SCHEMA}",
-            version.schema
+            "the record has schema {}, this version reads schemas {} to {SCHEMA}",
+            version.schema,
+            version_1::SCHEMA
         )));
     }
-    if let Some(study) = &version.study {
+    let upgraded = match version.schema {
+        version_1::SCHEMA => version_1::upgrade(text).map_err(broken)?,
+        _ => None,
+    };
+    if let Some(study) = version.study.filter(|_| upgraded.is_none()) {
         study.parse::<Study>().map_err(refuse)?;
     }
-    let results: Results = serde_json::from_str(text).map_err(|e| refuse(e.to_string()))?;
+    let results: Results = match upgraded {
+        Some(record) => serde_json::from_value(record),
+        None => serde_json::from_str(text),
+    }
+    .map_err(|e| refuse(e.to_string()))?;
     results.validate().map_err(refuse)?;
     Ok(results)
 }

@@ -7,8 +7,10 @@ use super::Cli;
 use super::document_commands::{commands, documents};
 use crate::models::models;
 use crate::scene_file::reading::keys::tables;
+use crate::studies::files;
 use clap::CommandFactory;
 use gearbench_integrators::table::{FREE_FLIGHT, METHODS};
+use gearbench_reports::dictionary::{DATA_DICTIONARY, with_tables};
 use std::fmt::Write as _;
 use std::path::Path;
 
@@ -139,6 +141,7 @@ fn pages_are_those_of_the_program() {
         ("options.md", options()),
         ("keys.md", keys()),
         ("integrators.md", integrators()),
+        ("../../../data.md", with_tables(DATA_DICTIONARY, files())),
     ] {
         let path = folder.join(name);
         if std::env::var_os("GEARBENCH_UPDATE_GOLDEN").is_some() {

@@ -1,6 +1,7 @@
 //! The command `gearbench help`: commands in groups, help of one command, and the embedded documents.
 
 use super::command_result::CommandResult;
+use super::study_command::StudyCommand;
 use super::terminal::Refusal;
 use super::{Cli, Command};
 use crate::context::Context;
@@ -38,41 +39,29 @@ const DOCUMENTS: [Document; 4] = [
     },
 ];
 
-/// Groups of commands by purpose, in the order of use.
-const GROUPS: [(&str, &[&str]); 5] = [
-    ("Start", &["init", "list", "help"]),
-    (
-        "Compare and choose",
-        &[
-            "compare",
-            "choose",
-            "precision",
-            "stability",
-            "truncation",
-            "penalty",
-        ],
-    ),
-    (
-        "Analyse",
-        &[
-            "stiffness",
-            "modes",
-            "response",
-            "sweep",
-            "run-up",
-            "scan",
-            "merge",
-        ],
-    ),
+/// Groups of commands by purpose, in the order of use: the commands that are no studies, in front of or behind the
+/// studies of the group.
+const GROUPS: [(&str, &[&str], &[&str]); 5] = [
+    ("Start", &["init", "list", "help"], &[]),
+    ("Compare and choose", &[], &[]),
+    ("Analyse", &[], &["merge"]),
     (
         "Data, meshes and other programs",
-        &["identify", "reference", "mesh", "reduce", "coupling", "fmu"],
+        &["reference", "mesh", "reduce"],
+        &["fmu"],
     ),
-    (
-        "Keep and repeat",
-        &["check", "report", "rerun", "completions"],
-    ),
+    ("Keep and repeat", &[], &["report", "rerun", "completions"]),
 ];
+
+/// Titles of the groups with the names of their commands.
+fn groups() -> impl Iterator<Item = (&'static str, Vec<&'static str>)> {
+    GROUPS.into_iter().map(|(title, before, behind)| {
+        let of_group = |(name, group): &(&'static str, &str)| (*group == title).then_some(*name);
+        let studies = StudyCommand::GROUPS.iter().filter_map(of_group);
+        let names = before.iter().copied().chain(studies);
+        (title, names.chain(behind.iter().copied()).collect())
+    })
+}
 
 /// Arguments of `help`.
 #[derive(Args, Clone, Debug)]
@@ -92,10 +81,12 @@ pub(super) fn template() -> String {
         found.map(ToString::to_string).unwrap_or_default()
     };
     let line = |name: &str, about: &str| format!("  {name:<12} {about}\n");
-    let groups = GROUPS.map(|(title, names)| {
-        let lines: String = names.iter().map(|name| line(name, &about(name))).collect();
-        format!("{title}:\n{lines}")
-    });
+    let groups: Vec<String> = groups()
+        .map(|(title, names)| {
+            let lines: String = names.iter().map(|name| line(name, &about(name))).collect();
+            format!("{title}:\n{lines}")
+        })
+        .collect();
     let documents: String = DOCUMENTS.iter().map(|d| line(d.name, d.title)).collect();
     format!(
         "{{about-with-newline}}\n{{usage-heading}} {{usage}}\n\n{}\nDocuments (gearbench help NAME):\n{documents}\nOptions:\n{{options}}{{after-help}}",
@@ -126,7 +117,7 @@ pub(super) fn run(context: &Context, args: &Help) -> Result<CommandResult, Refus
 }
 
 fn unknown(topic: &str) -> Refusal {
-    let commands = GROUPS.iter().flat_map(|(_, names)| names.iter().copied());
+    let commands = groups().flat_map(|(_, names)| names);
     let known: Vec<&str> = DOCUMENTS.iter().map(|d| d.name).chain(commands).collect();
     Refusal::Input(miette::miette!(
         help = format!(
@@ -148,10 +139,10 @@ mod tests {
         let program = Cli::command();
         let names = program.get_subcommands().map(clap::Command::get_name);
         for name in names {
-            let found = GROUPS.iter().flat_map(|(_, names)| *names);
-            assert_eq!(found.filter(|n| **n == name).count(), 1, "{name}");
+            let found = groups().flat_map(|(_, names)| names);
+            assert_eq!(found.filter(|n| *n == name).count(), 1, "{name}");
         }
-        for (_, names) in GROUPS {
+        for (_, names) in groups() {
             for name in names {
                 assert!(program.find_subcommand(name).is_some(), "{name}");
             }

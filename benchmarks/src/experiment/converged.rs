@@ -6,6 +6,7 @@
 //!
 //! | model | candidates |
 //! |---|---|
+//! | without modes, adaptive methods alone | Dormand-Prince with located events at a thousandth of their finest tolerance, then a hundredth, a tenth |
 //! | without modes | Dormand-Prince with located events at 1e-12, 1e-10, 1e-8 |
 //! | with modes, adaptive methods among those of the study | Dormand-Prince at a tenth of their finest tolerance |
 //! | with modes | the method that is exact for these at a tenth of its shortest step, then at a tenth of its finest tolerance or 1e-4 |
@@ -23,6 +24,8 @@ use serde::{Deserialize, Serialize};
 /// Tolerances of the converged solution with bounds on steps times coordinates: a hundredth of the tightest common
 /// tolerance where it takes seconds, the last one for long stiff scenes.
 const TIGHT: [(f64, u64); 3] = [(1e-12, 4_000_000), (1e-10, 4_000_000), (1e-8, 8_000_000)];
+/// Tolerances relative to the finest one of adaptive methods, if there are no others.
+const RELATIVE: [f64; 3] = [1e-3, 1e-2, FINER];
 /// Relative tolerance of the method that is exact for modes, where the study uses no tighter one.
 const EXACT_RTOL: f64 = 1e-4;
 /// Bound on the number of steps of a solution by this method.
@@ -78,7 +81,7 @@ impl Converged {
 pub fn described() -> String {
     let [first, others @ ..] = TIGHT.map(|(rtol, _)| format!("{rtol:.0e}"));
     format!(
-        "{}, rtol {first} ({} if this needs too many steps); for gears with modes {} at a tenth of the shortest of its steps, or rtol {EXACT_RTOL:.0e}; each run names its converged solution, which is at least ten times finer; a tolerance is relative to the scene's typical deflection and speed",
+        "{}, rtol {first} ({} if this needs too many steps), next to adaptive methods alone a thousandth of their finest tolerance; for gears with modes {} at a tenth of the shortest of its steps, or rtol {EXACT_RTOL:.0e}; each run names its converged solution, which is at least ten times finer; a tolerance is relative to the scene's typical deflection and speed",
         DOPRI5.info().id,
         others.join(", "),
         TRIGONOMETRIC.info().id,
@@ -90,10 +93,19 @@ pub fn exact_for_modes(rtol: f64) -> Scheme {
     TRIGONOMETRIC.at_tolerance(rtol)
 }
 
-/// Candidates for gears without modes, by number of coordinates.
-fn tight(coordinates: usize) -> impl Iterator<Item = Candidate> {
-    let steps = move |work: u64| work / coordinates.max(1) as u64;
-    (TIGHT.into_iter()).map(move |(rtol, work)| (DOPRI5.at_tolerance(rtol), steps(work)))
+/// Candidates for gears without modes, by number of coordinates. The error of fixed steps is not known before, so that
+/// the solution next to them is as fine as it can be.
+fn tight(coordinates: usize, asked: &[Scheme]) -> Vec<Candidate> {
+    let tolerances: Option<Vec<f64>> = (asked.iter()).map(|s| s.resolution.tolerance()).collect();
+    let finest = tolerances.and_then(|all| all.into_iter().min_by(f64::total_cmp));
+    let candidate = |((rtol, work), relative): ((f64, u64), f64)| {
+        let rtol = finest.map_or(rtol, |finest| (relative * finest).max(TIGHT[0].0));
+        let steps = work / coordinates.max(1) as u64;
+        (DOPRI5.at_tolerance(rtol), steps)
+    };
+    let mut all: Vec<Candidate> = TIGHT.into_iter().zip(RELATIVE).map(candidate).collect();
+    all.dedup_by_key(|c| c.0);
+    all
 }
 
 /// Candidates for the model of a `row` of the record, given the methods of the study.
@@ -123,7 +135,7 @@ pub fn candidates(row: &Run, asked: &[Scheme]) -> Vec<Candidate> {
         all.dedup();
     }
     if row.dofs <= SMALL {
-        all.extend(tight(row.dofs));
+        all.extend(tight(row.dofs, asked));
     }
     all
 }
@@ -295,6 +307,17 @@ mod tests {
         };
         let all = candidates(&rigid, &asked);
         assert_eq!(all[0], (DOPRI5.at_tolerance(1e-12), 2_000_000));
+        let adaptive = [DOPRI5.at_tolerance(1e-4), DOPRI5.at_tolerance(1e-6)];
+        let all: Vec<f64> = (candidates(&rigid, &adaptive).iter())
+            .filter_map(|c| c.0.resolution.tolerance())
+            .collect();
+        assert!(
+            all.len() == 3 && (all[0] / 1e-9 - 1.0).abs() < 1e-9,
+            "{all:?}"
+        );
+        assert!((all[2] / 1e-7 - 1.0).abs() < 1e-9, "{all:?}");
+        let fine = candidates(&rigid, &[DOPRI5.at_tolerance(1e-11)]);
+        assert_eq!(fine[0].0, DOPRI5.at_tolerance(1e-12));
         let large = Run {
             dofs: SMALL + 1,
             ..Run::default()

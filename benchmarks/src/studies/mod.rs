@@ -1,11 +1,12 @@
 //! Studies: evaluations of a scene by the commands of the program. Each study is one module with its arguments, plan,
-//! runs and summary.
+//! runs and summary; one whose results are a table is one file ([`tabular`]).
 //!
 //! | module | study |
 //! |---|---|
 //! | `check` | results, work and runtime of chosen runs against a stored baseline |
 //! | [`choose`] | the cheapest adequate model, integrator and step for a scene, without finite elements |
 //! | [`compare`] | all models and integrators of a scene against its references |
+//! | `cost` | what the runs of each model and integrator cost, without errors |
 //! | `coupling` | the hubs of the gears in a host: error, energy and stability over the communication step |
 //! | [`identify`] | stiffness, tooth mass and touch time fitted to a reference impact |
 //! | [`modes`] | natural frequencies and shapes of the whole scene about its loaded state |
@@ -22,6 +23,7 @@
 pub(crate) mod check;
 pub mod choose;
 pub mod compare;
+pub(crate) mod cost;
 pub(crate) mod coupling;
 pub mod identify;
 pub mod modes;
@@ -33,8 +35,19 @@ pub(crate) mod scan;
 pub mod stability;
 pub(crate) mod stiffness;
 pub(crate) mod sweep;
+pub(crate) mod tabular;
 #[cfg(test)]
 pub(crate) mod test_scene;
 #[cfg(test)]
 mod transverse_plane_tests;
 pub(crate) mod truncation;
+
+use crate::cli::study_command::StudyCommand;
+use gearbench_reports::columns::FileDescription;
+
+/// Returns the descriptions of the CSV files of all studies.
+pub fn files() -> Vec<FileDescription> {
+    let mut all = gearbench_reports::dictionary::files();
+    all.extend(StudyCommand::tables());
+    all
+}

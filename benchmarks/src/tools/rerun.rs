@@ -115,8 +115,8 @@ impl RecordedCommand {
     }
 
     /// Id of the study of the record.
-    pub fn study(&self) -> &'static str {
-        self.before.study().as_str()
+    pub fn study(&self) -> &str {
+        self.before.study_name()
     }
 
     /// True if the command line runs the study of the record: options that all commands have take no values, and the

@@ -1,6 +1,8 @@
 //! Columns of the tables of a page: their rank, and their width.
 
 use crate::drawing::canvas::text_width;
+use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
 
 /// Width of the text of a page on a screen, and of a table in print at its smaller type \[px\].
 pub const PAGE: f64 = 918.0;
@@ -10,20 +12,26 @@ const BETWEEN: f64 = 12.0;
 /// Text wraps beyond this \[px\].
 const WRAP: f64 = 150.0;
 /// Rank of a column, by which it is kept in the table at a glance.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
 pub enum Rank {
     /// The column identifies the row.
     Key,
     /// The column contains the result of the table.
     Result,
     /// Further information, dropped first where the page is too narrow.
+    #[default]
     Detail,
 }
 
 /// Format of the cells of a column.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
 pub enum Format {
     /// Left-aligned text.
+    #[default]
     Text,
     /// Text or number as it is, right-aligned.
     Plain,
@@ -33,12 +41,14 @@ pub enum Format {
     Numbers(usize),
     /// Numbers with this many digits, each with a prefix of its own.
     Quantities(usize),
+    /// Times, each in the unit that suits it, from nanoseconds to days.
+    Durations,
     /// Numbers with at most this many digits, without prefix.
     Short(usize),
     /// Numbers with this many digits in the unit of the column; magnitudes below 1e-6 are zero.
     Fixed(usize),
     /// Numbers over a factor, in a unit and with this many digits.
-    Scaled(f64, &'static str, usize),
+    Scaled(f64, Cow<'static, str>, usize),
     /// Residuals, always as powers of ten.
     Powers,
     /// Ratios in per cent with this many digits.

@@ -117,14 +117,14 @@ pub fn page(results: &Results, report: &StudyReport) -> String {
                 meta charset="utf-8";
                 meta name="viewport" content="width=device-width, initial-scale=1";
                 meta name="generator" content="gearbench";
-                title { (name) ": " (results.study().as_str()) " - gearbench" }
+                title { (name) ": " (results.study_name()) " - gearbench" }
                 style { (PreEscaped(STYLE)) "@media screen and (prefers-color-scheme: dark){" (PreEscaped(night())) "}" }
             }
             body {
                 main {
                     header {
                         p.kicker {
-                            "gearbench \u{b7} " (results.study().as_str()) " \u{b7} scene " b { (results.header.scene) }
+                            "gearbench \u{b7} " (results.study_name()) " \u{b7} scene " b { (results.header.scene) }
                         }
                         h1 { (name) }
                         p.stamp { (stamp.join(" \u{b7} ")) }

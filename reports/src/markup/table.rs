@@ -9,7 +9,8 @@ use super::prose;
 use crate::columns::{Column as DeclaredColumn, Columns, Value};
 use crate::drawing::style::mark;
 use crate::numbers::{
-    ABSENT, Prefix, ROUNDING, count, deviation, percent, power, quantity, short, significant,
+    ABSENT, Prefix, ROUNDING, count, deviation, duration, percent, power, quantity, short,
+    significant,
 };
 use maud::{Markup, Render, html};
 
@@ -76,14 +77,16 @@ impl<'r, R> Table<'r, R> {
                 let cells = each(&|x| significant(shown(x) * prefix.factor, digits));
                 (format!("{}{unit}", prefix.symbol), cells)
             }
+            Format::Durations => (String::new(), each(&duration)),
             Format::Quantities(digits) => (String::new(), each(&|x| quantity(x, unit, digits))),
             Format::Short(digits) => (unit.to_owned(), each(&|x| short(x, digits))),
             Format::Fixed(digits) => {
                 let shown = |x: f64| if x.abs() < 1e-6 { 0.0 } else { x };
                 (unit.to_owned(), each(&|x| significant(shown(x), digits)))
             }
-            Format::Scaled(factor, unit, digits) => {
-                (unit.to_owned(), each(&|x| significant(x / factor, digits)))
+            Format::Scaled(factor, ref unit, digits) => {
+                let cells = each(&|x| significant(x / factor, digits));
+                (unit.clone().into_owned(), cells)
             }
             Format::Powers => {
                 let nothing = |x: f64| unit.is_empty() && x != 0.0 && x.abs() < ROUNDING;
@@ -154,7 +157,7 @@ impl<'r, R> Table<'r, R> {
         };
         let value = |r: &'r R| row(r).map_or(Value::Absent, |p| (column.value)(&p));
         let values = self.rows.iter().map(value).collect();
-        let table = self.show(heading, column.unit(), *format, values);
+        let table = self.show(heading, column.unit(), format.clone(), values);
         match column.rank {
             Rank::Detail => table,
             rank => table.ranked(rank),
@@ -166,6 +169,43 @@ impl<'r, R> Table<'r, R> {
             column.rank = rank;
         }
         self
+    }
+
+    /// Returns the table at a glance as lines for a terminal: headings with units, then a line for each row; columns
+    /// that neither identify a row nor have results are left out.
+    pub fn lines(&self) -> Vec<String> {
+        let any = |c: &&Column| c.rank != Rank::Detail && c.cells.iter().any(Option::is_some);
+        let mut lines = vec![String::new(); 1 + self.rows.len()];
+        // The heading of a group is a column of its own where there are several.
+        let group = |i: usize| self.groups[i].as_ref().map(|(heading, _)| heading.clone());
+        let groups: Vec<Option<String>> = (0..self.rows.len()).map(group).collect();
+        let several = groups.windows(2).any(|g| g[0] != g[1]);
+        let group = several.then(|| Column {
+            rank: Rank::Key,
+            heading: "Model".into(),
+            unit: String::new(),
+            cells: groups,
+            text: true,
+        });
+        for c in group.iter().chain(self.columns.iter().filter(any)) {
+            let head = match c.unit.as_str() {
+                "" => c.heading.clone(),
+                unit => format!("{} [{unit}]", c.heading),
+            };
+            let cells = c.cells.iter().map(|cell| cell.as_deref().unwrap_or("-"));
+            let cells: Vec<&str> = std::iter::once(head.as_str()).chain(cells).collect();
+            let width = cells.iter().map(|t| t.chars().count()).max().unwrap_or(0);
+            for (line, cell) in lines.iter_mut().zip(cells) {
+                if !line.is_empty() {
+                    line.push_str("  ");
+                }
+                match c.text {
+                    true => line.push_str(&format!("{cell:<width$}")),
+                    false => line.push_str(&format!("{cell:>width$}")),
+                }
+            }
+        }
+        lines.iter().map(|l| l.trim_end().to_owned()).collect()
     }
 
     /// Ranks the last column as one that identifies the row.
@@ -273,7 +313,7 @@ fn text(value: &Value) -> Option<String> {
 }
 
 /// Returns the prefix for the typical magnitude of a column; no prefix without a unit.
-fn common_prefix(values: impl Iterator<Item = f64>, unit: &str) -> Prefix {
+pub fn common_prefix(values: impl Iterator<Item = f64>, unit: &str) -> Prefix {
     let mut sizes: Vec<f64> = values
         .map(f64::abs)
         .filter(|x| x.is_finite() && *x > 0.0)

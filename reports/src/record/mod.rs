@@ -1,6 +1,6 @@
 //! The versioned result records: all data of a report that it cannot compute itself.
 //!
-//! The JSON keys of [`Results`], [`Run`] and [`Metrics`] are a public format (`"schema": 1`). A key may be added
+//! The JSON keys of [`Results`], [`Run`] and [`Metrics`] are a public format (`"schema": 2`). A key may be added
 //! (`docs/results.schema.json` lists them all), but never renamed or given another meaning without a new schema number.
 //! Quantities are in SI units, and the name of a key ends in its unit. A quantity that was not measured, or is not
 //! finite, is absent: see [`finite`].
@@ -12,6 +12,7 @@ mod paths;
 mod picture;
 mod run;
 mod source;
+pub(crate) mod version_1;
 
 use crate::metrics::Metric;
 use crate::series::TimeSeries;
@@ -49,7 +50,7 @@ pub const OF_THE_CLOCK: [&str; 12] = [
 ];
 
 /// The schema this crate writes, and the newest it reads.
-pub const SCHEMA: u32 = 1;
+pub const SCHEMA: u32 = 2;
 
 /// Id of a model's own converged solution in [`Metrics::against`].
 pub const SELF: &str = "self";
@@ -144,6 +145,14 @@ impl Results {
     /// Returns the study that made the record.
     pub fn study(&self) -> Study {
         self.part.study()
+    }
+
+    /// Returns the name of the study, which is that of its command.
+    pub fn study_name(&self) -> &str {
+        match &self.part {
+            Part::Tabular(part) => &part.name,
+            other => other.study().as_str(),
+        }
     }
 }
 

@@ -149,15 +149,6 @@ pub struct Run {
     /// Highest frequency among its modes \[Hz\] (elastic model).
     #[serde(default, skip_serializing_if = "not_a_number")]
     pub highest_hz: Option<f64>,
-    /// Penalty of its contact \[Pa/m\] (study of penalties).
-    #[serde(default, skip_serializing_if = "not_a_number")]
-    pub penalty_pa_per_m: Option<f64>,
-    /// True if the contact is hard, without a penalty (study of penalties).
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub hard: Option<bool>,
-    /// Mean static transmission error over one base pitch under the load of the study \[m\].
-    #[serde(default, skip_serializing_if = "not_a_number")]
-    pub static_error_m: Option<f64>,
     /// Steady state that the run settles to (loaded running).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub steady: Option<Steady>,

@@ -11,15 +11,15 @@ pub mod coupling;
 pub mod identify;
 mod mesh_modes;
 pub mod modes;
-pub mod penalty;
 pub mod precision;
 pub mod response;
 pub mod run_up;
-pub(crate) mod runs;
+pub mod runs;
 pub mod scan;
 pub mod stability;
 pub mod stiffness;
 pub mod sweep;
+pub mod tabular;
 pub mod truncation;
 
 use crate::columns::FileDescription;
@@ -52,8 +52,6 @@ words! {
         Check = "check",
         /// Error over the number of modes that a reduction keeps.
         Truncation = "truncation",
-        /// Force and transmission error over the penalty of the contact.
-        Penalty = "penalty",
         /// Running under load at speed after speed.
         Sweep = "sweep",
         /// Constants of models fitted to references.
@@ -70,6 +68,8 @@ words! {
         Stiffness = "stiffness",
         /// Many scenes: keys varied at once, statistics and sensitivity.
         Scan = "scan",
+        /// A study whose results are one table, under a name of its own.
+        Tabular = "tabular",
     }
 }
 
@@ -92,8 +92,6 @@ pub enum Part {
     Check(check::CheckRecord),
     /// Marker of [`Study::Truncation`], which has runs alone.
     Truncation,
-    /// Marker of [`Study::Penalty`], which has runs alone.
-    Penalty,
     /// Part of a record of [`Study::Sweep`].
     Sweep(sweep::SweepRecord),
     /// Part of a record of [`Study::Identify`].
@@ -110,6 +108,8 @@ pub enum Part {
     Stiffness(stiffness::StiffnessRecord),
     /// Part of a record of [`Study::Scan`].
     Scan(Box<scan::ScanRecord>),
+    /// Part of a record of [`Study::Tabular`].
+    Tabular(tabular::TabularRecord),
 }
 
 impl Default for Part {
@@ -129,7 +129,6 @@ impl Part {
             Part::ChoiceCheck(_) => Study::ChoiceCheck,
             Part::Check(_) => Study::Check,
             Part::Truncation => Study::Truncation,
-            Part::Penalty => Study::Penalty,
             Part::Sweep(_) => Study::Sweep,
             Part::Identify(_) => Study::Identify,
             Part::Modes(_) => Study::Modes,
@@ -138,6 +137,7 @@ impl Part {
             Part::RunUp(_) => Study::RunUp,
             Part::Stiffness(_) => Study::Stiffness,
             Part::Scan(_) => Study::Scan,
+            Part::Tabular(_) => Study::Tabular,
         }
     }
 
@@ -160,6 +160,7 @@ impl Part {
                 stiffness::ModelStiffness::validate,
             ),
             Part::Scan(part) => part.validate(),
+            Part::Tabular(part) => part.validate(),
             Part::Identify(part) => {
                 each("fits", &part.fits, identify::FitRecord::validate)?;
                 each("histories", &part.histories, |h| h.series.validate())
@@ -169,7 +170,6 @@ impl Part {
             | Part::ChoiceCheck(_)
             | Part::Check(_)
             | Part::Truncation
-            | Part::Penalty
             | Part::Coupling(_) => Ok(()),
         }
     }
@@ -180,6 +180,7 @@ impl Part {
             Part::Coupling(part) => part.keep_finite(),
             Part::Sweep(part) => part.statics.retain(sweep::StaticCycle::is_finite),
             Part::Scan(part) => part.keep_finite(),
+            Part::Tabular(part) => part.keep_finite(),
             Part::Identify(part) => {
                 (part.fits.iter_mut()).for_each(identify::FitRecord::keep_finite);
             }
@@ -202,7 +203,6 @@ pub(crate) fn files() -> Vec<FileDescription> {
         compare::paths::load_sharing().described(),
         precision::csv::columns().described(),
         truncation::csv::columns().described(),
-        penalty::csv::columns().described(),
         stability::csv::cells().described(),
         stability::csv::limits().described(),
         stability::csv::times_of_runs().described(),
@@ -285,7 +285,6 @@ fn of_part(results: &Results) -> Result<StudyReport, DrawError> {
         Part::ChoiceCheck(part) => choice_check::report(&part.choices),
         Part::Check(part) => check::report(part),
         Part::Truncation => truncation::report(view),
-        Part::Penalty => penalty::report(view),
         Part::Sweep(part) => sweep::report(view, &part.statics),
         Part::Identify(part) => identify::report(part),
         Part::Modes(part) => modes::report(&part.vibrations),
@@ -294,6 +293,7 @@ fn of_part(results: &Results) -> Result<StudyReport, DrawError> {
         Part::RunUp(part) => run_up::report(view, &part.run_ups),
         Part::Stiffness(part) => stiffness::report(&part.stiffness),
         Part::Scan(part) => scan::report(part),
+        Part::Tabular(part) => tabular::report(view, part),
     }?;
     report.csv.extend(runs::of_study(results, &report.csv));
     Ok(report)

@@ -14,10 +14,6 @@ use crate::studies::Study;
 /// Name of the file.
 pub const RUNS: &str = "runs.csv";
 
-/// Meaning of the static transmission error of a run.
-pub const STATIC_ERROR: &str =
-    "mean static transmission error over a base pitch under the load of the study";
-
 /// A run with its place in the record.
 type Row<'a> = (usize, &'a Run);
 
@@ -30,8 +26,6 @@ pub fn identity<'a>() -> Columns<'a, &'a Run> {
         .add("highest_hz", "highest frequency among the modes", |r| r.highest_hz).shown("Highest mode", Format::Numbers(3))
         .add("residual", "whether the truncated modes are represented by residual compliance", |r| r.residual)
         .add("choose", "choice of the modes", |r| r.choose.clone())
-        .add("penalty_pa_per_m", "penalty of the contact", |r| r.penalty_pa_per_m)
-        .add("hard", "hard contact", |r| r.hard)
         .integrator(|r| r.integrator.clone())
         .add("implicit", "the method is implicit", |r| r.implicit)
         .step(|r| r.step)
@@ -41,7 +35,6 @@ pub fn identity<'a>() -> Columns<'a, &'a Run> {
         .add("fitted_to", "reference to which the model's constants were fitted", |r| r.fitted_to.clone())
         .add("calibration", "calibration of its stiffness", |r| r.calibration.clone())
         .add("reached_s", "time reached", |r| r.simulated_s).shown("Simulated", Format::Numbers(4))
-        .add("static_transmission_error_m", STATIC_ERROR, |r| r.static_error_m)
 }
 
 /// Returns the columns with the cost of a run: times, steps, evaluations, factorisations.
@@ -151,12 +144,7 @@ fn table(results: &Results) -> CsvTable {
 /// Returns `runs.csv` of a record whose study has written `tables`; `None` where nothing was run.
 pub fn of_study(results: &Results, tables: &[CsvTable]) -> Option<CsvTable> {
     match results.study() {
-        Study::Compare
-        | Study::Precision
-        | Study::Truncation
-        | Study::Penalty
-        | Study::Sweep
-        | Study::RunUp
+        Study::Compare | Study::Precision | Study::Truncation | Study::Sweep | Study::RunUp
             if !results.runs.is_empty() =>
         {
             Some(table(results))

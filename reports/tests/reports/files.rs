@@ -14,7 +14,7 @@ fn the_keys_of_the_format_are_there() {
     write_results(dir.path(), &made_up::impact_results()).unwrap();
     let json: serde_json::Value =
         serde_json::from_str(&fs::read_to_string(dir.path().join(RECORD)).unwrap()).unwrap();
-    assert_eq!(json["schema"], 1);
+    assert_eq!(json["schema"], gearbench_reports::SCHEMA);
     for key in [
         "scene", "machine", "commit", "runs", "study", "command", "created",
     ] {

@@ -10,7 +10,7 @@ mod studies;
 mod trains;
 
 use gearbench_reports::dictionary;
-use gearbench_reports::{Results, write_results};
+use gearbench_reports::{Part, Results, write_results};
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
@@ -41,9 +41,16 @@ fn as_documented(files: &BTreeMap<String, String>) {
     let record: serde_json::Value = serde_json::from_str(text).unwrap();
     let read: Results = serde_json::from_str(text).unwrap();
     assert_eq!(serde_json::to_value(&read).unwrap(), record);
+    let mut described = dictionary::files();
+    if let Part::Tabular(table) = &read.part {
+        described.push(table.described());
+    }
     for (name, text) in files.iter().filter(|(name, _)| name.ends_with(".csv")) {
         for column in text.lines().next().unwrap().split(',') {
-            assert!(dictionary::is_described(name, column), "{column} of {name}");
+            assert!(
+                dictionary::is_described(&described, name, column),
+                "{column} of {name}"
+            );
         }
     }
 }

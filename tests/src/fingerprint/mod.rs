@@ -16,9 +16,11 @@ pub use flat::List;
 use clap::Parser;
 use gearbench::cli::Cli;
 use gearbench::context::Context;
+use gearbench::experiment::parallel::{in_parallel, thread_count};
 use gearbench_reference::reduction::cache::Cache;
+use std::convert::Infallible;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// End of the keys that hold a hash of bits: equal on one machine, not between machines.
 pub const BITS: &str = ".bits";
@@ -239,12 +241,23 @@ pub fn fingerprint(only: Option<&str>, folder: &Path) -> List {
     // Reductions are made once.
     let mut context = Context::default();
     context.resources.cache = Arc::new(Cache::at(&folder.join("cache"), u64::MAX));
-    let mut list = List::default();
-    for part in PARTS.iter().filter(|p| only.is_none_or(|o| o == p.study)) {
+    let parts: Vec<&Part> = (PARTS.iter())
+        .filter(|p| only.is_none_or(|o| o == p.study))
+        .collect();
+    // Studies of one process do not influence each other.
+    let lists: Vec<OnceLock<List>> = parts.iter().map(|_| OnceLock::new()).collect();
+    let places: Vec<usize> = (0..parts.len()).collect();
+    let done: Result<(), Infallible> = in_parallel(thread_count(None), &places, |i| {
+        let part = parts[*i];
         let own = folder.join(format!("{}-{}", part.study, part.name));
+        let mut list = List::default();
         run(&context, part, &own, &mut list);
-    }
-    list
+        lists[*i].set(list).expect("a part runs once");
+        Ok(())
+    });
+    done.expect("no error");
+    let all = lists.into_iter().filter_map(OnceLock::into_inner);
+    List(all.flat_map(|list| list.0).collect())
 }
 
 fn scenes() -> PathBuf {

@@ -31,12 +31,24 @@ mod yardstick;
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
+use std::sync::OnceLock;
 
 /// A folder of its own for a test, removed at the end.
 struct Folder {
     folder: tempfile::TempDir,
-    /// Reductions are kept in `cache`.
+    /// True if the folder has a cache of its own, `cache`; else reductions are computed once for all tests.
     cached: bool,
+}
+
+/// The cache of reductions that tests share. It begins empty in every run of the tests, so that no reduction of earlier
+/// code is used.
+fn shared_cache() -> &'static Path {
+    static CACHE: OnceLock<PathBuf> = OnceLock::new();
+    CACHE.get_or_init(|| {
+        let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("cache-of-command-tests");
+        let _ = std::fs::remove_dir_all(&folder);
+        folder
+    })
 }
 
 impl Folder {
@@ -77,7 +89,7 @@ impl Folder {
             .env("NO_COLOR", "1");
         match self.cached {
             true => command.env("GEARBENCH_CACHE", self.at("cache")),
-            false => command.env("GEARBENCH_CACHE", "off"),
+            false => command.env("GEARBENCH_CACHE", shared_cache()),
         };
         command
     }
@@ -120,6 +132,7 @@ fn as_documented(folder: &std::path::Path) {
         let read: gearbench_reports::record::Results = serde_json::from_str(&text).unwrap();
         assert_eq!(serde_json::to_value(&read).unwrap(), record);
     }
+    let described = gearbench::studies::files();
     // A study may write no files, only its printed result.
     for entry in std::fs::read_dir(folder).into_iter().flatten() {
         let path = entry.unwrap().path();
@@ -127,7 +140,10 @@ fn as_documented(folder: &std::path::Path) {
             let text = std::fs::read_to_string(&path).unwrap();
             let name = path.file_name().unwrap().to_string_lossy();
             for column in text.lines().next().unwrap_or_default().split(',') {
-                assert!(is_described(&name, column), "{column} of {name}");
+                assert!(
+                    is_described(&described, &name, column),
+                    "{column} of {name}"
+                );
             }
         }
     }

@@ -26,8 +26,11 @@ fn all_load_and_are_described() {
                 .calibration_path()
                 .ends_with(format!("calibrations/{}.toml", shipped.name))
         );
-        load_uncalibrated(&Context::default(), shipped.name, Selection::All)
-            .unwrap_or_else(|e| panic!("{}", render(&e)));
+        // Without a calibration both are the same.
+        if scene.models.iter().any(|m| m.calibration.is_some()) {
+            load_uncalibrated(&Context::default(), shipped.name, Selection::All)
+                .unwrap_or_else(|e| panic!("{}", render(&e)));
+        }
     }
 }
 

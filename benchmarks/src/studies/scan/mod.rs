@@ -7,6 +7,8 @@ pub(crate) mod command;
 mod design;
 pub(crate) mod merge;
 mod output;
+#[cfg(feature = "parquet")]
+mod parquet;
 mod plan;
 mod results;
 mod run;

@@ -36,6 +36,13 @@ pub fn summarise_table(
             shown.see(&row);
         }
     })?;
+    #[cfg(feature = "parquet")]
+    super::parquet::write(
+        folder,
+        &path,
+        design.axes(),
+        (&record.configurations, &record.outputs),
+    )?;
     if !whole {
         return Ok(());
     }

@@ -15,9 +15,9 @@ pub const CELLS: &str = "cells.csv";
 /// Processor times of all runs.
 pub const TIMINGS: &str = "timings.csv";
 /// Names of the columns that are not those of keys and outputs, in their order.
-const CELL: &str = "cell";
-const MIDDLE: [&str; 3] = ["model", "integrator", "status"];
-const MESSAGE: &str = "message";
+pub const CELL: &str = "cell";
+pub const MIDDLE: [&str; 3] = ["model", "integrator", "status"];
+pub const MESSAGE: &str = "message";
 /// Names of the columns of `timings.csv`.
 const HEADER_OF_TIMINGS: [&str; 4] = [CELL, MIDDLE[0], MIDDLE[1], "cpu_s"];
 

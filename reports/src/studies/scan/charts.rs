@@ -5,8 +5,9 @@ use crate::drawing::Chart;
 use crate::drawing::axis::Axis;
 use crate::drawing::canvas::{DrawError, Ink, Stroke};
 use crate::drawing::legend::Entry;
-use crate::drawing::panel::{Curve, Panel, chart, extremes};
+use crate::drawing::panel::{Curve, Panel, chart};
 use crate::drawing::style::curve_style;
+use crate::studies::tabular::axis_over;
 
 /// Largest number of outputs of a chart, a panel each.
 const MOST_PANELS: usize = 5;
@@ -89,18 +90,6 @@ fn families(record: &ScanRecord, abscissa: Option<usize>) -> Vec<Family> {
     }
     all.truncate(MOST_CURVES);
     all
-}
-
-/// Range of values on an axis, logarithmic where they are positive and spread over more than a decade and a half.
-fn axis_over(values: impl Iterator<Item = f64>) -> Option<Axis> {
-    let (low, high) = extremes(values);
-    if low >= high {
-        return None;
-    }
-    Some(match low > 0.0 && high > 30.0 * low {
-        true => Axis::logarithmic(low, high),
-        false => Axis::padded(low, high, 0.03),
-    })
 }
 
 /// The response over an axis: points of samples over a random axis, lines or bands over a listed one.

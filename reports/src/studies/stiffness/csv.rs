@@ -5,6 +5,7 @@ use crate::columns::Columns;
 use crate::csv_table::CsvTable;
 use crate::markup::column::Format;
 use crate::record::slug;
+use std::borrow::Cow;
 
 /// Returns the table of models, and the table of the mesh cycle of each.
 pub fn tables(stiffness: &[ModelStiffness]) -> Vec<CsvTable> {
@@ -31,7 +32,7 @@ pub fn tables(stiffness: &[ModelStiffness]) -> Vec<CsvTable> {
 }
 
 /// Format of a stiffness per width.
-const PER_WIDTH: Format = Format::Scaled(PER_MM_UM, "N/(mm\u{a0}\u{b5}m)", 4);
+const PER_WIDTH: Format = Format::Scaled(PER_MM_UM, Cow::Borrowed("N/(mm\u{a0}\u{b5}m)"), 4);
 
 /// Returns the columns of models.
 #[rustfmt::skip]

@@ -1,0 +1,254 @@
+//! Studies whose results are one table: a cell is a run, a row has its quantities.
+//!
+//! A study of this kind is one file: its arguments, its cells, what a cell measures, its columns, its charts and its
+//! finding ([`TabularStudy`]), with an entry in the list of studies (`cli::study_command`). Everything else is common:
+//! [`run`] reads the scene, runs the cells with their journal, and writes the record, from which page, charts, CSV file,
+//! dictionary and the lines on the terminal follow (`gearbench_reports::tabular`).
+
+use crate::cli::arguments::BoundedOutput;
+use crate::cli::command_result::CommandResult;
+use crate::cli::exit::Exit;
+use crate::cli::study_folder::StudyFolder;
+use crate::cli::terminal::{Refusal, refuse_study};
+use crate::context::Context;
+use crate::experiment::conditions::Conditions;
+use crate::experiment::configuration::Configuration;
+use crate::experiment::decimation::decimate_run;
+use crate::experiment::error::StudyError;
+use crate::experiment::run::Job;
+use crate::experiment::runner::Runner;
+use crate::experiment::settings::settings;
+use crate::messages::Messages;
+use crate::scene_file::{self, RefusedModel, SceneFile, Selection};
+use gearbench_integrators::Scheme;
+use gearbench_reports::Format;
+use gearbench_reports::columns::Columns;
+use gearbench_reports::record::{Part, ReferenceSeries, Results, Run, Status};
+use gearbench_reports::tabular::{MESSAGE, MODEL, STATUS, TableChart, TableRow, TabularRecord};
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+use std::fmt::Debug;
+
+/// A cell of a study: a configuration under an integrator, at the values that the study varies.
+#[derive(Clone, Debug)]
+pub struct Cell<P> {
+    /// Scene and model.
+    pub configuration: Configuration,
+    /// Integrator.
+    pub method: Scheme,
+    /// Values that the study varies, with everything else that the result depends on.
+    pub at: P,
+    /// Name of the cell among those of its model, for the display of the progress.
+    pub name: String,
+}
+
+/// A cell with its results.
+pub struct Finished<'a, S: TabularStudy> {
+    /// The cell.
+    pub cell: &'a Cell<S::At>,
+    /// Its run, also a failed one.
+    pub run: &'a Run,
+    /// What the study measures besides; the default of a run without result.
+    pub row: &'a S::Row,
+}
+
+impl<S: TabularStudy> Finished<'_, S> {
+    /// The integrator with its step or tolerance, as text.
+    pub fn method(&self) -> String {
+        self.cell.method.to_string()
+    }
+}
+
+/// A study whose results are one table.
+pub trait TabularStudy: Sized + 'static {
+    /// Name of the command, of the folder and of the CSV file.
+    const NAME: &'static str;
+    /// Sentence on the rows of the table.
+    const ROWS: &'static str;
+    /// Remark below the table.
+    const REMARK: &'static str = "";
+    /// Values that the study varies.
+    type At: Clone + Debug;
+    /// Quantities of a cell that are not quantities of its run.
+    type Row: Default + Serialize + DeserializeOwned;
+
+    /// The scene, by name or path.
+    fn scene(&self) -> &str;
+    /// Models whose runs are wanted, by label; `None` for those of the scene's study.
+    fn models(&self) -> Option<&str>;
+    /// Where results go, and how long a run may take.
+    fn options(&mut self) -> &mut BoundedOutput;
+    /// Number of timed repeats of each run.
+    fn repeats(&self) -> u32 {
+        1
+    }
+
+    /// Returns name and value of the settings of the study, which the report lists with those of the scene.
+    fn settings(&self, _scene: &SceneFile) -> Vec<(String, String)> {
+        Vec::new()
+    }
+
+    /// Returns the cells in the order of the table.
+    ///
+    /// # Errors
+    /// A refusal of arguments that do not fit the scene.
+    fn cells(&self, scene: &SceneFile) -> Result<Vec<Cell<Self::At>>, Refusal>;
+
+    /// Runs a cell and measures its quantities.
+    ///
+    /// # Errors
+    /// [`StudyError`] where the model cannot run; a run that fails is a result.
+    fn measure(&self, cell: &Cell<Self::At>, job: &Job<'_>)
+    -> Result<(Run, Self::Row), StudyError>;
+
+    /// Compares the cells with each other, and returns the histories that charts show as their references.
+    fn compare(&self, _rows: &mut [(Cell<Self::At>, Run, Self::Row)]) -> Vec<ReferenceSeries> {
+        Vec::new()
+    }
+
+    /// The columns of the study; those of model, integrator, status and message are added.
+    fn columns<'a>(columns: Columns<'a, Finished<'a, Self>>) -> Columns<'a, Finished<'a, Self>>;
+
+    /// The charts over columns.
+    fn charts(&self) -> Vec<TableChart>;
+
+    /// The finding in plain words.
+    fn finding(&self, rows: &[Finished<'_, Self>]) -> Vec<String>;
+}
+
+/// Returns all columns of a study.
+pub fn columns<'a, S: TabularStudy>() -> Columns<'a, Finished<'a, S>> {
+    let file = format!("{}.csv", S::NAME);
+    let rows = format!("`{}`: {}.", S::NAME, S::ROWS);
+    let begin = Columns::<Finished<'_, S>>::of(&file, &rows)
+        .model(|f| f.run.model_label())
+        .integrator(|f| f.run.integrator.clone())
+        .shown("Integrator", Format::Text)
+        .result();
+    S::columns(begin)
+        .status(|f| f.run.status)
+        .shown("Status", Format::Text)
+        .result()
+        .step(|f| f.run.step)
+        .shown("Step", Format::Numbers(3))
+        .rtol(|f| f.run.rtol)
+        .shown("Tolerance", Format::Powers)
+        .message(|f| f.run.message.clone())
+}
+
+/// Runs a study and writes its folder.
+///
+/// # Errors
+/// [`Refusal`] of the scene, the arguments or the folder.
+pub fn run<S: TabularStudy + Clone>(
+    context: &Context,
+    args: &S,
+    command: &str,
+) -> Result<CommandResult, Refusal> {
+    let mut args = args.clone();
+    let options = args.options().clone();
+    let scene = scene_file::load_for(context, args.scene(), Selection::Labels(args.models()))?;
+    let cells = args.cells(&scene)?;
+    let conditions = Conditions {
+        command: command.to_string(),
+        repeats: args.repeats(),
+        timeout: options.timeout(),
+        ..Conditions::of(&scene)
+    };
+    let mut folder = StudyFolder::of(&options.output, &scene, S::NAME)?;
+    let made = folder.run(cells.len(), |runner| {
+        study(&args, &conditions, &scene, cells, runner)
+    });
+    folder.finish(
+        made.map_err(|e| folder.refuse(refuse_study(&scene, e)))?,
+        Exit::of_every_run,
+        summarise,
+    )
+}
+
+fn study<S: TabularStudy>(
+    args: &S,
+    conditions: &Conditions,
+    scene: &SceneFile,
+    cells: Vec<Cell<S::At>>,
+    runner: &Runner<'_>,
+) -> Result<Results, StudyError> {
+    let grid = conditions.grid();
+    let total = cells.len();
+    let mut rows = Vec::with_capacity(total);
+    let labels: Vec<String> = (cells.iter())
+        .map(|c| c.configuration.label.clone())
+        .collect();
+    for cell in cells {
+        let what = format!("{}, {}", cell.configuration.label, cell.name);
+        runner.report_progress(rows.len(), total, &what);
+        let of = (&cell.configuration.scene, &cell.configuration.modelling);
+        let job = Job {
+            histories: true,
+            ..conditions.job(of, &cell.method, &grid)
+        };
+        let key = job.key().and(&(S::NAME, &cell.at));
+        let (mut run, row) = runner.row_with(key, &cell.method, || args.measure(&cell, &job))?;
+        run.end_s = Some(job.t_end);
+        cell.configuration.sign(&mut run);
+        runner.reserve_memory(&run);
+        rows.push((cell, run, row));
+    }
+    let references = args.compare(&mut rows);
+    for (_, run, _) in &mut rows {
+        decimate_run(run);
+    }
+    runner.report_progress(total, total, "report");
+    let table = table(args, scene, &rows);
+    let chosen = scene.models.iter().filter(|m| labels.contains(&m.label));
+    let mut settings = settings(scene, &chosen.collect::<Vec<_>>(), false);
+    settings.extend(args.settings(scene));
+    Ok(Results {
+        references,
+        settings,
+        runs: rows.into_iter().map(|(_, run, _)| run).collect(),
+        ..conditions.record(Part::Tabular(table))
+    })
+}
+
+/// Returns the table of the cells, with finding and charts.
+fn table<S: TabularStudy>(
+    args: &S,
+    scene: &SceneFile,
+    rows: &[(Cell<S::At>, Run, S::Row)],
+) -> TabularRecord {
+    // Cells that an interruption prevented are no rows.
+    let finished: Vec<Finished<'_, S>> = (rows.iter())
+        .filter(|(_, run, _)| run.status != Status::Interrupted)
+        .map(|(cell, run, row)| Finished { cell, run, row })
+        .collect();
+    let columns = columns::<S>();
+    let of_refused = |r: &RefusedModel| {
+        TableRow::of([
+            (MODEL.into(), r.label.as_str().into()),
+            (STATUS.into(), Status::Refused.into()),
+            (MESSAGE.into(), r.error.to_text().into()),
+        ])
+    };
+    TabularRecord {
+        name: S::NAME.into(),
+        rows_are: S::ROWS.into(),
+        finding: args.finding(&finished),
+        columns: columns.recorded(),
+        rows: (finished.iter().map(|f| columns.recorded_row(f)))
+            .chain(scene.refused.iter().map(of_refused))
+            .collect(),
+        remark: S::REMARK.into(),
+        charts: args.charts(),
+    }
+}
+
+/// Prints the finding and the table.
+fn summarise(messages: &Messages, results: &Results) {
+    let Part::Tabular(table) = &results.part else {
+        return;
+    };
+    for line in table.lines().iter().chain(&table.finding) {
+        messages.print_line(line);
+    }
+}

@@ -1,0 +1,475 @@
+//! Studies whose results are the rows of one table: the record keeps columns, rows, charts and finding as the study
+//! declares them, so that page, charts, CSV file and terminal lines of any such study follow without code of its own.
+//!
+//! A study declares its columns once (`gearbench::studies::tabular`). A chart names the keys of its columns
+//! ([`TableChart`]).
+
+use super::StudyReport;
+use crate::columns::{Column as DeclaredColumn, Columns, FileDescription, Value};
+use crate::csv_table::{CsvTable, named_unit};
+use crate::drawing::Chart;
+use crate::drawing::axis::Axis;
+use crate::drawing::canvas::{DrawError, Ink, Stroke};
+use crate::drawing::legend::Entry;
+use crate::drawing::panel::{Curve, Panel, chart, extremes};
+use crate::drawing::style::curve_style;
+use crate::markup::column::{Format, Rank};
+use crate::markup::table::{Table, common_prefix};
+use crate::markup::{glance, note, prose, runs};
+use crate::record::Status;
+use crate::record::checks::each;
+use crate::studies::compare::histories;
+use crate::view::{View, capital};
+use maud::{Markup, html};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// Factor by which a logarithmic ordinate exceeds its points.
+const MARGIN: f64 = 1.6;
+/// Key of the column by which every row has its model.
+pub const MODEL: &str = "model";
+/// Key of the column with the status of a row.
+pub const STATUS: &str = "status";
+/// Key of the column with the reason of a failure.
+pub const MESSAGE: &str = "message";
+
+/// The part of a record of a study whose results are one table.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub struct TabularRecord {
+    /// Name of the study, which is that of its command and of its file.
+    pub name: String,
+    /// Sentence on the rows of the table.
+    pub rows_are: String,
+    /// The finding: sentences in plain words.
+    pub finding: Vec<String>,
+    /// Columns of the table.
+    pub columns: Vec<TableColumn>,
+    /// Rows of the table, failed ones included.
+    pub rows: Vec<TableRow>,
+    /// Remark below the table.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub remark: String,
+    /// Charts over columns of the table.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub charts: Vec<TableChart>,
+}
+
+/// A column of the table.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub struct TableColumn {
+    /// Key of the column, with its SI unit at the end.
+    pub key: String,
+    /// Meaning of the column in words.
+    pub meaning: String,
+    /// Heading on the page; a column without heading is in the CSV file alone.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub heading: String,
+    /// Format of its cells on the page.
+    #[serde(default)]
+    pub format: Format,
+    /// Rank on the page: columns that identify a row and those with results are always shown.
+    #[serde(default)]
+    pub rank: Rank,
+}
+
+/// A row of the table: its values by the keys of the columns; a value that is absent has no key.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub struct TableRow(BTreeMap<String, Value>);
+
+impl TableRow {
+    /// Returns a row from keys and values.
+    pub fn of(values: impl IntoIterator<Item = (String, Value)>) -> Self {
+        let some = values.into_iter().filter(|(_, x)| *x != Value::Absent);
+        Self(some.collect())
+    }
+
+    fn value(&self, key: &str) -> Value {
+        self.0.get(key).cloned().unwrap_or(Value::Absent)
+    }
+
+    fn number(&self, key: &str) -> Option<f64> {
+        self.0.get(key).and_then(Value::number)
+    }
+
+    fn model(&self) -> &str {
+        self.0.get(MODEL).and_then(Value::as_text).unwrap_or("")
+    }
+
+    /// True if the row is of a failed run.
+    fn failed(&self) -> bool {
+        let status = self.0.get(STATUS).and_then(Value::as_text);
+        let is = |text: &str| Status::ALL.into_iter().find(|s| s.as_str() == text);
+        status.and_then(is).is_some_and(Status::is_failure)
+    }
+}
+
+/// A chart over columns of the table: a panel for each ordinate, a curve for each model.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub struct TableChart {
+    /// Name of the file, without ending.
+    pub file: String,
+    /// Title of the chart.
+    pub title: String,
+    /// Sentence below the chart.
+    pub caption: String,
+    /// Key of the column of abscissae.
+    pub abscissa: String,
+    /// Keys of the columns of ordinates.
+    pub ordinates: Vec<String>,
+    /// True if magnitudes are drawn, as for deviations.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub magnitudes: bool,
+    /// Name of the rows without abscissa, which are horizontal lines; empty if there are none to be drawn.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub limit: String,
+}
+
+impl<R> Columns<'_, R> {
+    /// Returns the columns as a record describes them.
+    pub fn recorded(&self) -> Vec<TableColumn> {
+        let of = |c: &DeclaredColumn<'_, R>| {
+            let (heading, format) = c.shown.clone().unwrap_or_default();
+            TableColumn {
+                key: c.key.clone(),
+                meaning: c.meaning.clone(),
+                heading,
+                format,
+                rank: c.rank,
+            }
+        };
+        self.all.iter().map(of).collect()
+    }
+
+    /// Returns a row as a record has it.
+    pub fn recorded_row(&self, row: &R) -> TableRow {
+        TableRow::of(self.all.iter().map(|c| (c.key.clone(), (c.value)(row))))
+    }
+}
+
+impl TabularRecord {
+    /// Checks the rules that the types do not enforce.
+    pub(crate) fn validate(&self) -> Result<(), String> {
+        // They name files of the folder.
+        let plain = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || "_-".contains(c);
+        for name in self.charts.iter().map(|c| &c.file).chain([&self.name]) {
+            if name.is_empty() || name.len() > 60 || !name.chars().all(plain) {
+                return Err(format!(
+                    "`{name}` is no name of a file: small letters, digits, _ and -"
+                ));
+            }
+        }
+        each("rows", &self.rows, |row| {
+            let unknown = row.0.keys().find(|key| self.column(key).is_none());
+            unknown.map_or(Ok(()), |key| Err(format!("there is no column `{key}`")))
+        })?;
+        each("charts", &self.charts, |c| {
+            for key in c.ordinates.iter().chain([&c.abscissa]) {
+                if self.column(key).is_none() {
+                    return Err(format!("there is no column `{key}`"));
+                }
+            }
+            Ok(())
+        })
+    }
+
+    /// Removes all numbers that are not finite.
+    pub(crate) fn keep_finite(&mut self) {
+        for row in &mut self.rows {
+            row.0
+                .retain(|_, x| !matches!(x, Value::Number(x) if !x.is_finite()));
+        }
+    }
+
+    fn column(&self, key: &str) -> Option<&TableColumn> {
+        self.columns.iter().find(|c| c.key == key)
+    }
+
+    /// The declaration of the columns, whose values are those of the rows.
+    fn declared(&self) -> Columns<'_, &TableRow> {
+        let file = format!("{}.csv", self.name);
+        let mut all = Columns::of(&file, &self.rows_are);
+        for c in &self.columns {
+            all = all.add(&c.key, &c.meaning, |row: &&TableRow| row.value(&c.key));
+            if !c.heading.is_empty() {
+                all = all.shown(&c.heading, c.format.clone());
+            }
+            if let Some(column) = all.all.last_mut() {
+                column.rank = c.rank;
+            }
+        }
+        all
+    }
+
+    /// Models in the order of their first rows.
+    fn models(&self) -> Vec<&str> {
+        let mut all: Vec<&str> = Vec::new();
+        for row in &self.rows {
+            if !all.contains(&row.model()) {
+                all.push(row.model());
+            }
+        }
+        all
+    }
+
+    fn table(&self) -> Table<'_, TableRow> {
+        let models = self.models();
+        let style = |row: &TableRow| {
+            let place = models.iter().position(|m| *m == row.model());
+            (row.model().to_owned(), place.unwrap_or(0))
+        };
+        Table::of(&self.rows)
+            .grouped(style)
+            .classed(|row| if row.failed() { "failed" } else { "" })
+            .columns(&self.declared(), Some)
+    }
+
+    /// Returns the description of the file with the table.
+    pub fn described(&self) -> FileDescription {
+        self.declared().described()
+    }
+
+    /// Returns the columns with keys and results as lines for a terminal.
+    pub fn lines(&self) -> Vec<String> {
+        self.table().lines()
+    }
+
+    fn charts(&self) -> Result<Vec<Chart>, DrawError> {
+        let charts = self.charts.iter().map(|c| self.chart(c));
+        charts.filter_map(Result::transpose).collect()
+    }
+
+    fn chart(&self, spec: &TableChart) -> Result<Option<Chart>, DrawError> {
+        let Some(abscissa) = Quantity::of(self, &spec.abscissa, false) else {
+            return Ok(None);
+        };
+        let Some(x) = axis_over(self.rows.iter().filter_map(|r| abscissa.of_row(r))) else {
+            return Ok(None);
+        };
+        let models = self.models();
+        let mut panels: Vec<Panel> = Vec::new();
+        let mut has_limits = false;
+        for key in &spec.ordinates {
+            let Some(ordinate) = Quantity::of(self, key, spec.magnitudes) else {
+                continue;
+            };
+            let mut curves = Vec::new();
+            for (style, model) in models.iter().enumerate() {
+                let own = || self.rows.iter().filter(|r| r.model() == *model);
+                let (failed, held): (Vec<_>, Vec<_>) = own().partition(|r| r.failed());
+                let is_limit =
+                    |r: &&&TableRow| abscissa.of_row(r).is_none() && !spec.limit.is_empty();
+                for limit in held
+                    .iter()
+                    .filter(is_limit)
+                    .filter_map(|r| ordinate.of_row(r))
+                {
+                    has_limits = true;
+                    let stroke = Stroke::new(Ink::DARK, 1.4);
+                    curves.push(Curve::line(stroke, vec![(x.min, limit), (x.max, limit)]));
+                }
+                let point = |r: &&TableRow| Some((abscissa.of_row(r)?, ordinate.of_row(r)?));
+                let mut points: Vec<(f64, f64)> = held.iter().filter_map(point).collect();
+                points.sort_by(|a, b| a.0.total_cmp(&b.0));
+                let failed = failed.into_iter().filter_map(|r| abscissa.of_row(r));
+                let curve = Curve::joined(curve_style(style), 1.6, 4.2, points);
+                curves.push(curve.failed(failed.collect()));
+            }
+            if curves.iter().all(|c| c.points.is_empty()) {
+                continue;
+            }
+            let mut panel = Panel::new(170.0, &x, &ordinate.name).curves(curves);
+            let (low, high) = panel.ordinates();
+            // The limit of the curves counts, not zero; markers stay inside of the frame.
+            panel.y =
+                axis_over([low, high].into_iter()).map(|y| match low > 0.0 && high > 30.0 * low {
+                    true => Axis::logarithmic(low / MARGIN, high * MARGIN),
+                    false => y,
+                });
+            panels.push(panel);
+        }
+        let Some(last) = panels.last_mut() else {
+            return Ok(None);
+        };
+        last.x_name = Some(abscissa.name);
+        let mut legend: Vec<Entry> = (models.iter().enumerate())
+            .map(|(i, model)| Entry::marked(model, curve_style(i), true))
+            .collect();
+        if has_limits {
+            legend.push(Entry::line(&spec.limit, Stroke::new(Ink::DARK, 1.4)));
+        }
+        let file = format!("{}.svg", spec.file);
+        chart(&file, &spec.title, &spec.caption, &legend, &panels).map(Some)
+    }
+}
+
+/// A column as an axis shows it: its name with unit and the factor of its values.
+struct Quantity<'a> {
+    key: &'a str,
+    name: String,
+    factor: f64,
+    magnitudes: bool,
+}
+
+impl<'a> Quantity<'a> {
+    fn of(record: &'a TabularRecord, key: &str, magnitudes: bool) -> Option<Self> {
+        let c = record.column(key)?;
+        let (bare, unit) = named_unit(&c.key);
+        let name = match c.heading.as_str() {
+            "" => capital(&bare.replace('_', " ")),
+            heading => heading.to_owned(),
+        };
+        let (factor, unit) = match c.format {
+            Format::Percents(_) | Format::Deviations => (100.0, "%".to_owned()),
+            Format::Powers | Format::Short(_) => (1.0, unit.to_owned()),
+            _ => {
+                let values = record.rows.iter().filter_map(|r| r.number(key));
+                let prefix = common_prefix(values, unit);
+                (prefix.factor, format!("{}{unit}", prefix.symbol))
+            }
+        };
+        let brackets = match unit.as_str() {
+            "" => String::new(),
+            unit => format!(" [{unit}]"),
+        };
+        Some(Self {
+            key: &c.key,
+            name: format!("{name}{brackets}"),
+            factor,
+            magnitudes,
+        })
+    }
+
+    /// The value on the axis; magnitudes of zero have no place on a logarithmic one.
+    fn of_row(&self, row: &TableRow) -> Option<f64> {
+        let x = self.factor * row.number(self.key)?;
+        match self.magnitudes {
+            true => Some(x.abs()).filter(|x| *x > 0.0),
+            false => Some(x),
+        }
+    }
+}
+
+/// Returns an axis over some values, logarithmic where they are positive and spread over more than a decade and a half;
+/// `None` if they are all the same.
+pub(super) fn axis_over(values: impl Iterator<Item = f64>) -> Option<Axis> {
+    let (low, high) = extremes(values);
+    if low >= high {
+        return None;
+    }
+    Some(match low > 0.0 && high > 30.0 * low {
+        true => Axis::logarithmic(low, high),
+        false => Axis::padded(low, high, 0.03),
+    })
+}
+
+/// Returns the report of a study whose results are one table.
+pub(super) fn report(view: &View<'_>, record: &TabularRecord) -> Result<StudyReport, DrawError> {
+    let mut charts = record.charts()?;
+    charts.extend(histories::force(view)?);
+    let content = html! {
+        (record.table())
+        @if !record.remark.is_empty() { (note(prose(&record.remark))) }
+    };
+    let details = match view.results.runs.is_empty() {
+        true => Markup::default(),
+        false => runs::all(view),
+    };
+    Ok(StudyReport {
+        finding: record.finding.iter().map(|s| prose(s)).collect(),
+        tables: glance(&capital(&record.rows_are), content),
+        charts,
+        details,
+        csv: vec![csv(record)],
+        ..StudyReport::default()
+    })
+}
+
+fn csv(record: &TabularRecord) -> CsvTable {
+    record.declared().table(&record.rows)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::record::{Part, Results};
+
+    fn record() -> TabularRecord {
+        let columns = Columns::<(&str, Option<f64>, f64)>::of("penalty.csv", "One row per run")
+            .model(|r| r.0.to_owned())
+            .add("penalty_pa_per_m", "penalty", |r| r.1)
+            .shown("Penalty", Format::Powers)
+            .add("peak_force_n", "peak", |r| r.2)
+            .shown("Peak", Format::Numbers(4))
+            .result();
+        let rows = [
+            ("elastic", Some(1e13), 900.0),
+            ("elastic", Some(1e15), 1090.0),
+            ("elastic", None, 1100.0),
+        ];
+        TabularRecord {
+            name: "penalty".into(),
+            rows_are: "One row per run".into(),
+            finding: vec!["It converges.".into()],
+            columns: columns.recorded(),
+            rows: (rows.iter()).map(|r| columns.recorded_row(r)).collect(),
+            charts: vec![TableChart {
+                file: "penalty".into(),
+                abscissa: "penalty_pa_per_m".into(),
+                ordinates: vec!["peak_force_n".into()],
+                limit: "hard contact".into(),
+                ..TableChart::default()
+            }],
+            ..TabularRecord::default()
+        }
+    }
+
+    /// Page, chart, file and terminal have the values of the columns, and a record that is read again gives the same.
+    #[test]
+    fn one_declaration_gives_page_chart_file_and_lines() {
+        let results = Results {
+            part: Part::Tabular(record()),
+            ..Results::default()
+        };
+        let json = serde_json::to_string(&results).unwrap();
+        let again: Results = serde_json::from_str(&json).unwrap();
+        assert_eq!(again, results);
+        let report = crate::studies::report(&again).unwrap();
+        assert_eq!(report.charts.len(), 1);
+        assert!(report.charts[0].svg.contains("hard contact"));
+        let csv = report.csv[0].text();
+        assert!(
+            csv.starts_with("model,penalty_pa_per_m,peak_force_n\nelastic,1.0"),
+            "{csv}"
+        );
+        assert!(csv.ends_with("elastic,,1.100000000e3\n"), "{csv}");
+        let page = report.tables.0;
+        assert!(page.contains("Peak") && page.contains("1100"), "{page}");
+        let lines = record().lines();
+        assert!(
+            lines[0].contains("Peak [N]") && lines[3].ends_with("1100"),
+            "{lines:?}"
+        );
+    }
+
+    #[test]
+    fn rows_and_charts_have_columns() {
+        let mut gap = record();
+        gap.columns.pop();
+        assert!(gap.validate().unwrap_err().contains("rows"));
+        let mut outside = record();
+        outside.name = "../penalty".into();
+        assert!(
+            outside
+                .validate()
+                .unwrap_err()
+                .contains("no name of a file")
+        );
+        let mut chart = record();
+        chart.charts[0].ordinates.push("mass_kg".into());
+        assert!(chart.validate().unwrap_err().contains("mass_kg"));
+    }
+}
