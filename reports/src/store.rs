@@ -154,11 +154,12 @@ fn parse(text: &str, path: &Path) -> Result<Results, ReportError> {
     if let Some(study) = version.study.filter(|_| upgraded.is_none()) {
         study.parse::<Study>().map_err(refuse)?;
     }
-    let results: Results = match upgraded {
+    let mut results: Results = match upgraded {
         Some(record) => serde_json::from_value(record),
         None => serde_json::from_str(text),
     }
     .map_err(|e| refuse(e.to_string()))?;
+    results.header.schema = SCHEMA;
     results.validate().map_err(refuse)?;
     Ok(results)
 }

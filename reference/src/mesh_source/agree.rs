@@ -1,6 +1,7 @@
 //! Comparison of a recognised mesh with the gear of the scene.
 
 use crate::deck::{Deck, DeckGear};
+use crate::mesh::GearMesh;
 use crate::recognise::{RecognisedBody, RecognisedGear, RecognisedRack};
 use gearbench_models::geometry::{Gear, Rack};
 use gearbench_models::spec::Body as Toothing;
@@ -51,11 +52,43 @@ impl Disagreement {
 /// Returns the first difference between a recognised body and the scene. Small differences are accepted: contact is
 /// between the flanks of the mesh, loads and mesh layout are those of the gear of the scene.
 pub(super) fn disagreement(gear: &DeckGear, body: &Toothing) -> Option<Disagreement> {
-    match (gear.found.as_ref()?, body) {
-        (RecognisedBody::Gear(found), Toothing::Gear(said)) => of_gear(found, said),
-        (RecognisedBody::Rack(found), Toothing::Rack(said)) => of_rack(found, said),
-        _ => None,
+    match (&gear.found, body) {
+        (Some(RecognisedBody::Gear(found)), Toothing::Gear(said)) => of_gear(found, said),
+        (Some(RecognisedBody::Rack(found)), Toothing::Rack(said)) => of_rack(found, said),
+        (Some(_), _) => None,
+        (None, said) => of_named_sets(&gear.mesh, said),
     }
+}
+
+/// The first difference between a gear of the scene and a mesh whose flanks are named by sets, so that their profile is
+/// not recognised: face width and bore radius.
+fn of_named_sets(mesh: &GearMesh, body: &Toothing) -> Option<Disagreement> {
+    let across = mesh.flanks.iter().flat_map(|f| &f.positions).map(|x| x.z);
+    let (low, high) = across.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), z| {
+        (low.min(z), high.max(z))
+    });
+    if low >= high {
+        return None;
+    }
+    let (said, module) = match body {
+        Toothing::Gear(g) => (g.face_width(), g.transverse_module()),
+        Toothing::Rack(r) => (r.face_width(), r.pitch() / std::f64::consts::PI),
+    };
+    let mut lengths: Vec<Pair> = vec![("face width", "`face_width_m`", high - low, said)];
+    if let Toothing::Gear(g) = body
+        && g.params().bore_radius > 0.0
+        && !mesh.bore.is_empty()
+    {
+        let radius = |n: &u32| mesh.mesh.nodes[*n as usize].xy().norm();
+        let shown = mesh.bore.iter().map(radius).fold(0.0, f64::max);
+        lengths.push((
+            "bore radius",
+            "`bore_radius_m`",
+            shown,
+            g.params().bore_radius,
+        ));
+    }
+    first_off(&lengths, module)
 }
 
 /// A quantity, the keys that define it, the value of the mesh and that of the scene.

@@ -156,6 +156,20 @@ fn what_does_not_agree_is_refused() {
     };
     let told = read(&body, &stored).unwrap_err();
     assert!(told.contains("in m-kg-s"), "{told}");
+    // Meshes whose flanks are named by sets have to be of the gear, too.
+    for (change, word) in [
+        (
+            &(|p: &mut GearParams| p.face_width = 8e-3) as &dyn Fn(&mut GearParams),
+            "face width",
+        ),
+        (&|p| p.bore_radius = 10e-3, "bore radius"),
+    ] {
+        let told = read(&of_gmsh(|p| change(p)), &of_file("calculix/case-a-fine")).unwrap_err();
+        assert!(
+            told.contains(word) && told.contains("calculix/case-a-fine"),
+            "{told}"
+        );
+    }
     type Other<'a> = &'a dyn Fn(&mut GearParams);
     let gears: [(Other<'_>, &[&str]); 5] = [
         (

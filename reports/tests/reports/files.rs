@@ -7,6 +7,7 @@ use gearbench_reports::{
     write_results,
 };
 use std::fs;
+use std::path::Path;
 
 #[test]
 fn the_keys_of_the_format_are_there() {
@@ -338,5 +339,43 @@ fn bare_and_broken_records() {
     assert!(
         e.contains("run 2 (rigid, velocity-verlet)") && e.contains("omega1_rad_s"),
         "{e}"
+    );
+}
+
+/// Records of schema 1 are read: a stored one gives a page, and a study of penalties has its runs as a table.
+#[test]
+fn records_of_schema_1_are_read() {
+    let stored = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../validation/results/choose_refined.json"
+    );
+    assert!(
+        fs::read_to_string(stored)
+            .unwrap()
+            .contains("\"schema\": 1")
+    );
+    let read = gearbench_reports::load_results(Path::new(stored)).unwrap();
+    assert!(read.choices().len() > 20);
+
+    let dir = tempfile::tempdir().unwrap();
+    let run = |penalty: Option<f64>, peak: f64| {
+        serde_json::json!({"model": "elastic", "integrator": "trigonometric", "status": "converged", "steps": 9,
+            "rejected": 0, "force_evaluations": 9, "newton_iterations": 0, "factorisations": 0, "dofs": 4,
+            "penalty_pa_per_m": penalty, "metrics": [{"against": "hard", "peak_force_n": peak}]})
+    };
+    let old = serde_json::json!({"schema": 1, "study": "penalty", "scene": "s", "command": "gearbench penalty s",
+        "machine": {}, "commit": "", "created": "2026-01-01T00:00:00Z", "references": [],
+        "runs": [run(Some(1e14), 900.0), run(Some(1e15), 1090.0), run(None, 1100.0)]});
+    fs::write(dir.path().join(RECORD), old.to_string()).unwrap();
+    report_from(dir.path()).unwrap();
+    let csv = fs::read_to_string(dir.path().join("penalty.csv")).unwrap();
+    assert!(
+        csv.lines().count() == 4 && csv.contains("1.090000000e3"),
+        "{csv}"
+    );
+    assert!(
+        fs::read_to_string(dir.path().join("penalty.svg"))
+            .unwrap()
+            .contains("hard contact")
     );
 }
