@@ -4,7 +4,7 @@
 //! A penalty is a numerical spring without physical counterpart. Results that depend on it are no results for the
 //! gears; with hard contact as the limit, the study shows above which penalty they no longer depend on it.
 
-use super::tabular::{Cell, Finished, TabularStudy};
+use super::tabular::{Cell, Finished, Measured, TabularStudy};
 use crate::cli::arguments::BoundedOutput;
 use crate::cli::terminal::Refusal;
 use crate::cli::values::{DEFAULT_LOAD, DEFAULT_SCENE, number, positions, positive_load};
@@ -205,7 +205,7 @@ impl TabularStudy for Penalty {
         Ok((made, row))
     }
 
-    fn compare(&self, rows: &mut [(Cell<Contact>, Run, PenaltyRow)]) -> Vec<ReferenceSeries> {
+    fn compare(&self, rows: &mut [Measured<Self>]) -> Vec<ReferenceSeries> {
         let hard = rows.iter().find(|(cell, run, _)| {
             cell.at.penalty.is_none() && !run.status.is_failure() && run.series.is_some()
         });

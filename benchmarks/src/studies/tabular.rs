@@ -42,6 +42,9 @@ pub struct Cell<P> {
     pub name: String,
 }
 
+/// A cell, its run, and what the study measures besides.
+pub type Measured<S> = (Cell<<S as TabularStudy>::At>, Run, <S as TabularStudy>::Row);
+
 /// A cell with its results.
 pub struct Finished<'a, S: TabularStudy> {
     /// The cell.
@@ -102,7 +105,7 @@ pub trait TabularStudy: Sized + 'static {
     -> Result<(Run, Self::Row), StudyError>;
 
     /// Compares the cells with each other, and returns the histories that charts show as their references.
-    fn compare(&self, _rows: &mut [(Cell<Self::At>, Run, Self::Row)]) -> Vec<ReferenceSeries> {
+    fn compare(&self, _rows: &mut [Measured<Self>]) -> Vec<ReferenceSeries> {
         Vec::new()
     }
 
@@ -212,11 +215,7 @@ fn study<S: TabularStudy>(
 }
 
 /// Returns the table of the cells, with finding and charts.
-fn table<S: TabularStudy>(
-    args: &S,
-    scene: &SceneFile,
-    rows: &[(Cell<S::At>, Run, S::Row)],
-) -> TabularRecord {
+fn table<S: TabularStudy>(args: &S, scene: &SceneFile, rows: &[Measured<S>]) -> TabularRecord {
     // Cells that an interruption prevented are no rows.
     let finished: Vec<Finished<'_, S>> = (rows.iter())
         .filter(|(_, run, _)| run.status != Status::Interrupted)

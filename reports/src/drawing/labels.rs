@@ -127,15 +127,13 @@ impl OccupiedArea {
         if self.soft.iter().any(|s| s.overlaps(&place)) {
             c.fill(&place, Ink::WHITE.opacity(0.8));
         }
-        let left = (place.x0 + 1.0, place.middle());
-        c.text(
-            text,
-            left,
-            Type {
-                anchor: Anchor::Start,
-                ..kind
-            },
-        );
+        // The viewer's font may be wider than the estimate: a text grows away from its point.
+        let (anchor, x) = match at.0 {
+            x if x <= place.x0 => (Anchor::Start, place.x0 + 1.0),
+            x if x >= place.x1 => (Anchor::End, place.x1 - 1.0),
+            _ => (Anchor::Middle, 0.5 * (place.x0 + place.x1)),
+        };
+        c.text(text, (x, place.middle()), Type { anchor, ..kind });
         true
     }
 

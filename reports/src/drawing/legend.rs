@@ -44,7 +44,9 @@ impl Entry {
 
 /// Returns the left edge and row of every entry.
 fn places(legend: &[Entry]) -> Vec<(f64, usize)> {
-    let widths = legend.iter().map(|e| 62.0 + text_width(&e.text, NAME_SIZE));
+    let widths = legend
+        .iter()
+        .map(|e| 62.0 + 1.08 * text_width(&e.text, NAME_SIZE));
     in_rows(widths, LEFT, WIDTH - RIGHT)
 }
 

@@ -15,7 +15,9 @@ const ROW: f64 = 18.0;
 
 /// Returns left edge and row of the entries of the key: models, then the meaning of filled markers.
 fn key_places(names: &[(&str, usize)]) -> Vec<(f64, usize)> {
-    let widths = names.iter().map(|n| 38.0 + text_width(n.0, NAME_SIZE));
+    let widths = names
+        .iter()
+        .map(|n| 38.0 + 1.08 * text_width(n.0, NAME_SIZE));
     in_rows(
         widths.chain([text_width(FILLING, TICK_SIZE)]),
         LEFT + 6.0,
@@ -69,7 +71,10 @@ impl<'a> Numbers<'a> {
     }
 
     fn places(&self) -> Vec<(f64, usize)> {
-        let widths = self.names.iter().map(|n| 34.0 + text_width(n, TICK_SIZE));
+        let widths = self
+            .names
+            .iter()
+            .map(|n| 34.0 + 1.08 * text_width(n, TICK_SIZE));
         in_rows(widths, LEFT, WIDTH - RIGHT)
     }
 

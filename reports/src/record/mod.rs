@@ -34,7 +34,7 @@ pub use source::Source;
 
 /// Keys of values that depend on the clock or on the machine: two records of one study may differ in these, at every
 /// depth.
-pub const OF_THE_CLOCK: [&str; 12] = [
+pub const OF_THE_CLOCK: [&str; 17] = [
     "wall_s",
     "wall_spread_s",
     "repeats",
@@ -43,6 +43,12 @@ pub const OF_THE_CLOCK: [&str; 12] = [
     "cost_s",
     "predicted_cost_s",
     "cpu_s",
+    "cpu_per_simulated_time",
+    "cpu_per_step_s",
+    "cpu_per_evaluation_s",
+    "estimate_s",
+    // Sentences on times; other findings follow from what is compared.
+    "finding",
     "created",
     "machine",
     "command",

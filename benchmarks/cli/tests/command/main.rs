@@ -26,6 +26,7 @@ mod scan;
 mod seeds;
 mod signals;
 mod stiffness;
+mod tables;
 mod terminal;
 mod yardstick;
 

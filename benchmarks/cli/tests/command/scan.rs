@@ -144,17 +144,26 @@ fn wrong_values_are_refused_or_rows() {
     has(&(stdout(&out) + &stderr(&out)), &["of which 2 failed"]);
 }
 
-/// A model on which no key has an effect is named: its mesh is that of a file.
+/// A model on which no key has an effect is named: its mesh is that of a file. A width that the mesh does not have is
+/// refused.
 #[test]
 fn keys_without_effect_are_said() {
     let folder = Folder::new();
     let said = folder.says(
-        "scan spur_impact --models rigid,elastic --vary gears.*.face_width_m=0.009,0.01 --integrators trigonometric@1us,dopri5@1e-4",
+        "scan spur_impact --models rigid,elastic --vary gears.*.face_width_m=0.0098,0.01 --integrators trigonometric@1us,dopri5@1e-4",
     );
     has(
         &said,
         &["The results of elastic, elastic are the same in all scenes"],
     );
+    folder.says("scan spur_impact --models elastic --vary gears.*.face_width_m=0.008,0.01 --integrators dopri5@1e-4 --out b");
+    let table = folder.read("b/cells.csv");
+    let rows: Vec<&str> = table.lines().skip(1).collect();
+    assert!(
+        rows[0].contains(",refused,") && rows[0].contains("10.0000 mm"),
+        "{table}"
+    );
+    assert!(rows[1].contains(",unchecked,"), "{table}");
 }
 
 /// Errors refer to the model of `--against` in the scene of the same cell: those of the model itself are none.

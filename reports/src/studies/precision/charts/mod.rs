@@ -294,7 +294,7 @@ fn failures(c: &mut Canvas<'_>, reasons: &[(Status, Vec<(&Run, usize)>)], edge: 
         return;
     }
     c.edge_of_failures(edge);
-    let left = edge.x0 + 128.0;
+    let left = edge.x0 + 160.0;
     for (k, (status, runs)) in reasons.iter().enumerate() {
         let y = edge.y0 + 4.0 + ROW * (k as f64 + 0.5);
         cross(c, (edge.x0 + 12.0, y), 3.4, Ink::FAIL);
