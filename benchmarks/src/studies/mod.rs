@@ -1,5 +1,5 @@
 //! Studies: evaluations of a scene by the commands of the program. Each study is one module with its arguments, plan,
-//! runs and summary; one whose results are a table is one file ([`tabular`]).
+//! runs and summary; one whose results are a table is one file (`tabular`).
 //!
 //! | module | study |
 //! |---|---|
