@@ -12,7 +12,7 @@ omega1_end omega2_end energy_drift_rel against""".split()
 def main(path):
     with open(path, encoding="utf-8") as file:
         record = json.load(file)
-    assert record["schema"] == 1, record["schema"]
+    assert record["schema"] == 2, record["schema"]
     for key in "scene machine commit runs".split():
         assert record.get(key), f"no {key}"
     runs = record["runs"]
