@@ -6,9 +6,11 @@ use super::command_result::{self, CommandResult};
 use super::exit::Exit;
 pub use super::refusal::{Refusal, refuse_run, refuse_study};
 use crate::context::Context;
+use crate::experiment::run::RunError;
 use crate::messages::{Messages, OutputForm, print_error, put_error};
 use crate::scene_file::SceneFile;
 use crate::scene_file::references::LoadedReference;
+use gearbench_integrators::Scheme;
 use gearbench_reference::data::Reference;
 use gearbench_reports::escape;
 use miette::Report;
@@ -85,6 +87,24 @@ pub(super) fn print_refusal(
         _ if io::stderr().is_terminal() => put_error(&escape::coloured(&format!("{report:?}"))),
         _ => print_error(&format!("{report:?}")),
     }
+}
+
+/// Returns the integrators of an option, whose steps have to suit the scene; `None` without the option.
+///
+/// # Errors
+/// A refusal of an integrator that does not exist, or of its step.
+pub fn integrators_of(
+    scene: &SceneFile,
+    option: Option<&str>,
+) -> Result<Option<Vec<Scheme>>, Refusal> {
+    let Some(text) = option else {
+        return Ok(None);
+    };
+    let methods = Scheme::list(text, &scene.study.integrators)
+        .map_err(RunError::from)
+        .map_err(refuse_run)?;
+    scene.check_steps(&methods)?;
+    Ok(Some(methods))
 }
 
 /// Converts a path to an absolute one.

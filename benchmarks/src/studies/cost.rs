@@ -4,16 +4,15 @@
 //! The study compares nothing with a reference, so that it also answers for scenes without one. Errors and cost together
 //! are the subject of `precision`.
 
-use super::tabular::{Cell, Finished, TabularStudy};
+use super::tabular::{Cell, Measured, TabularStudy};
 use crate::cli::arguments::{BoundedOutput, TimedOutput};
-use crate::cli::terminal::{Refusal, refuse_run};
+use crate::cli::terminal::{Refusal, integrators_of};
 use crate::cli::values::{DEFAULT_SCENE, positive};
 use crate::experiment::configuration::Configuration;
 use crate::experiment::error::StudyError;
-use crate::experiment::run::{Job, RunError, run};
-use crate::scene_file::SceneFile;
+use crate::experiment::run::{Job, run};
+use crate::scene_file::{SceneFile, Selection};
 use clap::Args;
-use gearbench_integrators::Scheme;
 use gearbench_reports::Format;
 use gearbench_reports::columns::Columns;
 use gearbench_reports::numbers::{counted, duration, short, times};
@@ -52,14 +51,14 @@ pub struct Cost {
 }
 
 /// Processor time over simulated time; `None` for a run that did not end well.
-fn per_second(f: &Finished<'_, Cost>) -> Option<f64> {
+fn per_second(f: &&Measured<Cost>) -> Option<f64> {
     let ended = !f.run.status.is_failure() && f.run.simulated_s > 0.0;
     ended.then(|| f.run.cost_s() / f.run.simulated_s)
 }
 
 /// Processor time over a count of the run.
-fn over(count: fn(&Run) -> u64) -> impl Fn(&Finished<'_, Cost>) -> Option<f64> {
-    move |f| (count(f.run) > 0).then(|| f.run.cost_s() / count(f.run) as f64)
+fn over(count: fn(&Run) -> u64) -> impl Fn(&&Measured<Cost>) -> Option<f64> {
+    move |f| (count(&f.run) > 0).then(|| f.run.cost_s() / count(&f.run) as f64)
 }
 
 impl TabularStudy for Cost {
@@ -74,8 +73,8 @@ impl TabularStudy for Cost {
         &self.scene
     }
 
-    fn models(&self) -> Option<&str> {
-        self.models.as_deref()
+    fn selection(&self) -> Selection<'_> {
+        Selection::Labels(self.models.as_deref())
     }
 
     fn options(&mut self) -> &mut BoundedOutput {
@@ -87,16 +86,7 @@ impl TabularStudy for Cost {
     }
 
     fn cells(&self, scene: &SceneFile) -> Result<Vec<Cell<f64>>, Refusal> {
-        let asked = match &self.integrators {
-            Some(text) => {
-                let methods = Scheme::list(text, &scene.study.integrators)
-                    .map_err(RunError::from)
-                    .map_err(refuse_run)?;
-                scene.check_steps(&methods)?;
-                Some(methods)
-            }
-            None => None,
-        };
+        let asked = integrators_of(scene, self.integrators.as_deref())?;
         let mut cells = Vec::new();
         for choice in scene.select(self.models.as_deref())? {
             let configuration = Configuration::of(scene, choice);
@@ -123,9 +113,9 @@ impl TabularStudy for Cost {
     }
 
     #[rustfmt::skip]
-    fn columns<'a>(columns: Columns<'a, Finished<'a, Self>>) -> Columns<'a, Finished<'a, Self>> {
-        let estimate = |f: &Finished<'_, Self>| Some(per_second(f)? * f.cell.at);
-        let evaluations = |f: &Finished<'_, Self>| (f.run.steps > 0).then(|| f.run.force_evaluations as f64 / f.run.steps as f64);
+    fn columns<'a>(columns: Columns<'a, &'a Measured<Self>>) -> Columns<'a, &'a Measured<Self>> {
+        let estimate = |f: &&Measured<Self>| Some(per_second(f)? * f.cell.at);
+        let evaluations = |f: &&Measured<Self>| (f.run.steps > 0).then(|| f.run.force_evaluations as f64 / f.run.steps as f64);
         columns
             .add("dofs", "coordinates", |f| f.run.dofs).shown("Coordinates", Format::Counts).result()
             .add("cpu_s", "processor time of the integration, median of the repeats", |f| f.run.cost_s()).shown("Time of the run", Format::Durations).result()
@@ -150,14 +140,14 @@ impl TabularStudy for Cost {
         }]
     }
 
-    fn finding(&self, rows: &[Finished<'_, Self>]) -> Vec<String> {
+    fn finding(&self, rows: &[&Measured<Self>]) -> Vec<String> {
         let ended = rows.iter().filter_map(|f| Some((f, per_second(f)?)));
-        let mut ended: Vec<(&Finished<'_, Self>, f64)> = ended.collect();
+        let mut ended: Vec<(&&Measured<Self>, f64)> = ended.collect();
         ended.sort_by(|a, b| a.1.total_cmp(&b.1));
         let (Some((first, least)), Some((last, most))) = (ended.first(), ended.last()) else {
             return vec!["No run ended well.".into()];
         };
-        let name = |f: &Finished<'_, Self>| format!("{} with {}", f.run.model_label(), f.method());
+        let name = |f: &&Measured<Self>| format!("{} with {}", f.run.model_label(), f.cell.method);
         let estimate = |per_second: f64| duration(per_second * self.simulate);
         let simulated = short(self.simulate, 4);
         let mut sentences = vec![format!(

@@ -4,7 +4,7 @@
 //! A penalty is a numerical spring without physical counterpart. Results that depend on it are no results for the
 //! gears; with hard contact as the limit, the study shows above which penalty they no longer depend on it.
 
-use super::tabular::{Cell, Finished, Measured, TabularStudy};
+use super::tabular::{Cell, Measured, TabularStudy};
 use crate::cli::arguments::BoundedOutput;
 use crate::cli::terminal::Refusal;
 use crate::cli::values::{DEFAULT_LOAD, DEFAULT_SCENE, number, positions, positive_load};
@@ -12,7 +12,7 @@ use crate::experiment::conditions::logarithmic;
 use crate::experiment::configuration::Configuration;
 use crate::experiment::error::StudyError;
 use crate::experiment::run::{Job, run};
-use crate::scene_file::{ModelChoice, SceneError, SceneFile};
+use crate::scene_file::{ModelChoice, SceneError, SceneFile, Selection};
 use clap::Args;
 use gearbench_integrators::table::VELOCITY_VERLET;
 use gearbench_models::spec::{ContactSpec, mesh_layout};
@@ -102,14 +102,14 @@ pub struct PenaltyRow {
     deviations: [Option<f64>; 3],
 }
 
-/// A quantity that is compared with hard contact.
-fn quantities(run: &Run, row: &PenaltyRow) -> [Option<f64>; 3] {
-    let ended = (!run.status.is_failure()).then_some(run);
+/// Returns the quantities that are compared with hard contact; none of a failed run.
+fn quantities(r: &Measured<Penalty>) -> [Option<f64>; 3] {
+    let ended = (!r.run.status.is_failure()).then_some(&r.run);
     let metric = |m: Metric| ended?.metrics.first()?.get(m);
     [
         metric(Metric::PeakForce),
         metric(Metric::Impulse),
-        row.static_error_m.filter(|_| ended.is_some()),
+        r.row.static_error_m.filter(|_| ended.is_some()),
     ]
 }
 
@@ -128,8 +128,8 @@ impl TabularStudy for Penalty {
         &self.scene
     }
 
-    fn models(&self) -> Option<&str> {
-        None
+    fn selection(&self) -> Selection<'_> {
+        Selection::All
     }
 
     fn options(&mut self) -> &mut BoundedOutput {
@@ -206,32 +206,25 @@ impl TabularStudy for Penalty {
     }
 
     fn compare(&self, rows: &mut [Measured<Self>]) -> Vec<ReferenceSeries> {
-        let hard = rows.iter().find(|(cell, run, _)| {
-            cell.at.penalty.is_none() && !run.status.is_failure() && run.series.is_some()
-        });
-        let series = hard.and_then(|(_, run, _)| run.series.clone());
+        let is_hard = |r: &&Measured<Self>| r.cell.at.penalty.is_none();
+        let hard = rows.iter().find(is_hard);
+        let ended = hard.filter(|r| !r.run.status.is_failure());
+        let series = ended.and_then(|r| r.run.series.clone());
         // Without a limit to refer to, the outputs alone.
         let none = TimeSeries::default();
         let id = if series.is_some() { HARD } else { SELF };
-        for (cell, run, _) in rows.iter_mut() {
-            let target = match cell.at.penalty {
+        for r in rows.iter_mut() {
+            let target = match r.cell.at.penalty {
                 Some(_) => series.as_ref().unwrap_or(&none),
                 None => &none,
             };
-            let metrics = run.finished().map(|run| measure(run, target, id));
-            run.metrics.extend(metrics);
+            let metrics = r.run.finished().map(|run| measure(run, target, id));
+            r.run.metrics.extend(metrics);
         }
-        let limit = rows.iter().find(|(cell, ..)| cell.at.penalty.is_none());
-        let limit = limit.map(|(_, run, row)| quantities(run, row));
-        for (_, run, row) in rows
-            .iter_mut()
-            .filter(|(cell, ..)| cell.at.penalty.is_some())
-        {
-            let own = quantities(run, row);
-            for (k, deviation) in row.deviations.iter_mut().enumerate() {
-                let limit = limit.and_then(|limit| limit[k]);
-                *deviation = own[k].zip(limit).map(|(x, limit)| x / limit - 1.0);
-            }
+        let limit = rows.iter().find(is_hard).map(quantities);
+        for r in rows.iter_mut().filter(|r| r.cell.at.penalty.is_some()) {
+            let own = quantities(r);
+            r.row.deviations = std::array::from_fn(|k| Some(own[k]? / limit?[k]? - 1.0));
         }
         let reference = series.map(|series| ReferenceSeries {
             id: HARD.into(),
@@ -244,10 +237,10 @@ impl TabularStudy for Penalty {
     }
 
     #[rustfmt::skip]
-    fn columns<'a>(columns: Columns<'a, Finished<'a, Self>>) -> Columns<'a, Finished<'a, Self>> {
-        let of = |k: usize| move |f: &Finished<'_, Self>| quantities(f.run, f.row)[k];
-        let off = |k: usize| move |f: &Finished<'_, Self>| f.row.deviations[k];
-        let to_hard = |f: &Finished<'_, Self>| f.run.against(HARD).filter(|_| f.cell.at.penalty.is_some())?.get(Metric::ForceL2);
+    fn columns<'a>(columns: Columns<'a, &'a Measured<Self>>) -> Columns<'a, &'a Measured<Self>> {
+        let of = |k: usize| move |f: &&Measured<Self>| quantities(f)[k];
+        let off = |k: usize| move |f: &&Measured<Self>| f.row.deviations[k];
+        let to_hard = |f: &&Measured<Self>| f.run.against(HARD).filter(|_| f.cell.at.penalty.is_some())?.get(Metric::ForceL2);
         columns
             .add("penalty_pa_per_m", "penalty of the contact; empty for hard contact", |f| f.cell.at.penalty).shown("Penalty", Format::Powers).result()
             .add("peak_force_n", Metric::PeakForce.meaning(), of(0)).shown("Peak force", Format::Numbers(5)).result()
@@ -294,8 +287,8 @@ impl TabularStudy for Penalty {
         ]
     }
 
-    fn finding(&self, rows: &[Finished<'_, Self>]) -> Vec<String> {
-        let point = |f: &Finished<'_, Self>| Point {
+    fn finding(&self, rows: &[&Measured<Self>]) -> Vec<String> {
+        let point = |f: &&Measured<Self>| Point {
             penalty: f.cell.at.penalty,
             failed: f.run.status.is_failure(),
             deviations: f.row.deviations,

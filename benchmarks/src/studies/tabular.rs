@@ -19,7 +19,7 @@ use crate::experiment::run::Job;
 use crate::experiment::runner::Runner;
 use crate::experiment::settings::settings;
 use crate::messages::Messages;
-use crate::scene_file::{self, RefusedModel, SceneFile, Selection};
+use crate::scene_file::{self, ModelChoice, RefusedModel, SceneFile, Selection};
 use gearbench_integrators::Scheme;
 use gearbench_reports::Format;
 use gearbench_reports::columns::Columns;
@@ -42,24 +42,14 @@ pub struct Cell<P> {
     pub name: String,
 }
 
-/// A cell, its run, and what the study measures besides.
-pub type Measured<S> = (Cell<<S as TabularStudy>::At>, Run, <S as TabularStudy>::Row);
-
-/// A cell with its results.
-pub struct Finished<'a, S: TabularStudy> {
+/// A cell with its results: a row of the table.
+pub struct Measured<S: TabularStudy> {
     /// The cell.
-    pub cell: &'a Cell<S::At>,
+    pub cell: Cell<S::At>,
     /// Its run, also a failed one.
-    pub run: &'a Run,
-    /// What the study measures besides; the default of a run without result.
-    pub row: &'a S::Row,
-}
-
-impl<S: TabularStudy> Finished<'_, S> {
-    /// The integrator with its step or tolerance, as text.
-    pub fn method(&self) -> String {
-        self.cell.method.to_string()
-    }
+    pub run: Run,
+    /// Quantities that the study adds to those of the run; the default of a run without result.
+    pub row: S::Row,
 }
 
 /// A study whose results are one table.
@@ -77,8 +67,8 @@ pub trait TabularStudy: Sized + 'static {
 
     /// The scene, by name or path.
     fn scene(&self) -> &str;
-    /// Models whose runs are wanted, by label; `None` for those of the scene's study.
-    fn models(&self) -> Option<&str>;
+    /// The models of the scene that are built, as the study may run them.
+    fn selection(&self) -> Selection<'_>;
     /// Where results go, and how long a run may take.
     fn options(&mut self) -> &mut BoundedOutput;
     /// Number of timed repeats of each run.
@@ -110,20 +100,20 @@ pub trait TabularStudy: Sized + 'static {
     }
 
     /// The columns of the study; those of model, integrator, status and message are added.
-    fn columns<'a>(columns: Columns<'a, Finished<'a, Self>>) -> Columns<'a, Finished<'a, Self>>;
+    fn columns<'a>(columns: Columns<'a, &'a Measured<Self>>) -> Columns<'a, &'a Measured<Self>>;
 
     /// The charts over columns.
     fn charts(&self) -> Vec<TableChart>;
 
     /// The finding in plain words.
-    fn finding(&self, rows: &[Finished<'_, Self>]) -> Vec<String>;
+    fn finding(&self, rows: &[&Measured<Self>]) -> Vec<String>;
 }
 
 /// Returns all columns of a study.
-pub fn columns<'a, S: TabularStudy>() -> Columns<'a, Finished<'a, S>> {
+pub fn columns<'a, S: TabularStudy>() -> Columns<'a, &'a Measured<S>> {
     let file = format!("{}.csv", S::NAME);
     let rows = format!("`{}`: {}.", S::NAME, S::ROWS);
-    let begin = Columns::<Finished<'_, S>>::of(&file, &rows)
+    let begin = Columns::<&Measured<S>>::of(&file, &rows)
         .model(|f| f.run.model_label())
         .integrator(|f| f.run.integrator.clone())
         .shown("Integrator", Format::Text)
@@ -150,7 +140,7 @@ pub fn run<S: TabularStudy + Clone>(
 ) -> Result<CommandResult, Refusal> {
     let mut args = args.clone();
     let options = args.options().clone();
-    let scene = scene_file::load_for(context, args.scene(), Selection::Labels(args.models()))?;
+    let scene = scene_file::load_for(context, args.scene(), args.selection())?;
     let cells = args.cells(&scene)?;
     let conditions = Conditions {
         command: command.to_string(),
@@ -178,10 +168,7 @@ fn study<S: TabularStudy>(
 ) -> Result<Results, StudyError> {
     let grid = conditions.grid();
     let total = cells.len();
-    let mut rows = Vec::with_capacity(total);
-    let labels: Vec<String> = (cells.iter())
-        .map(|c| c.configuration.label.clone())
-        .collect();
+    let mut rows: Vec<Measured<S>> = Vec::with_capacity(total);
     for cell in cells {
         let what = format!("{}, {}", cell.configuration.label, cell.name);
         runner.report_progress(rows.len(), total, &what);
@@ -195,21 +182,22 @@ fn study<S: TabularStudy>(
         run.end_s = Some(job.t_end);
         cell.configuration.sign(&mut run);
         runner.reserve_memory(&run);
-        rows.push((cell, run, row));
+        rows.push(Measured { cell, run, row });
     }
     let references = args.compare(&mut rows);
-    for (_, run, _) in &mut rows {
-        decimate_run(run);
+    for row in &mut rows {
+        decimate_run(&mut row.run);
     }
     runner.report_progress(total, total, "report");
     let table = table(args, scene, &rows);
-    let chosen = scene.models.iter().filter(|m| labels.contains(&m.label));
-    let mut settings = settings(scene, &chosen.collect::<Vec<_>>(), false);
+    let is_run = |m: &&ModelChoice| rows.iter().any(|r| r.cell.configuration.label == m.label);
+    let chosen: Vec<&ModelChoice> = scene.models.iter().filter(is_run).collect();
+    let mut settings = settings(scene, &chosen, false);
     settings.extend(args.settings(scene));
     Ok(Results {
         references,
         settings,
-        runs: rows.into_iter().map(|(_, run, _)| run).collect(),
+        runs: rows.into_iter().map(|row| row.run).collect(),
         ..conditions.record(Part::Tabular(table))
     })
 }
@@ -217,9 +205,8 @@ fn study<S: TabularStudy>(
 /// Returns the table of the cells, with finding and charts.
 fn table<S: TabularStudy>(args: &S, scene: &SceneFile, rows: &[Measured<S>]) -> TabularRecord {
     // Cells that an interruption prevented are no rows.
-    let finished: Vec<Finished<'_, S>> = (rows.iter())
-        .filter(|(_, run, _)| run.status != Status::Interrupted)
-        .map(|(cell, run, row)| Finished { cell, run, row })
+    let finished: Vec<&Measured<S>> = (rows.iter())
+        .filter(|row| row.run.status != Status::Interrupted)
         .collect();
     let columns = columns::<S>();
     let of_refused = |r: &RefusedModel| {

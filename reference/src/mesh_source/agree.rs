@@ -74,25 +74,28 @@ fn of_named_sets(mesh: &GearMesh, body: &Toothing) -> Option<Disagreement> {
         Toothing::Gear(g) => (g.face_width(), g.transverse_module()),
         Toothing::Rack(r) => (r.face_width(), r.pitch() / std::f64::consts::PI),
     };
-    let mut lengths: Vec<Pair> = vec![("face width", "`face_width_m`", high - low, said)];
+    let mut lengths: Vec<Pair> = vec![face_width(high - low, said)];
     if let Toothing::Gear(g) = body
         && g.params().bore_radius > 0.0
         && !mesh.bore.is_empty()
     {
         let radius = |n: &u32| mesh.mesh.nodes[*n as usize].xy().norm();
         let shown = mesh.bore.iter().map(radius).fold(0.0, f64::max);
-        lengths.push((
-            "bore radius",
-            "`bore_radius_m`",
-            shown,
-            g.params().bore_radius,
-        ));
+        lengths.push(bore_radius(shown, g.params().bore_radius));
     }
     first_off(&lengths, module)
 }
 
 /// A quantity, the keys that define it, the value of the mesh and that of the scene.
 type Pair = (&'static str, &'static str, f64, f64);
+
+fn face_width(shown: f64, said: f64) -> Pair {
+    ("face width", "`face_width_m`", shown, said)
+}
+
+fn bore_radius(shown: f64, said: f64) -> Pair {
+    ("bore radius", "`bore_radius_m`", shown, said)
+}
 
 /// The first length that is off by more than a part of the module.
 fn first_off(lengths: &[Pair], module: f64) -> Option<Disagreement> {
@@ -146,17 +149,12 @@ fn of_gear(found: &RecognisedGear, said: &Gear) -> Option<Disagreement> {
             fit.base_thickness(),
             thickness,
         ),
-        (
-            "face width",
-            "`face_width_m`",
-            found.width,
-            said.face_width(),
-        ),
+        face_width(found.width, said.face_width()),
     ];
     let bore = said.params().bore_radius;
     // A gear without a bore has no bore radius to compare.
     if bore > 0.0 {
-        lengths.push(("bore radius", "`bore_radius_m`", found.bore.radius, bore));
+        lengths.push(bore_radius(found.bore.radius, bore));
     }
     let helix = (
         "base helix angle",
@@ -185,12 +183,7 @@ fn of_rack(found: &RecognisedRack, said: &Rack) -> Option<Disagreement> {
             found.tip,
             said.tip_height() + deeper,
         ),
-        (
-            "face width",
-            "`face_width_m`",
-            found.width,
-            said.face_width(),
-        ),
+        face_width(found.width, said.face_width()),
     ];
     let angles = [
         (

@@ -6,7 +6,7 @@
 
 use super::StudyReport;
 use crate::columns::{Column as DeclaredColumn, Columns, FileDescription, Value};
-use crate::csv_table::{CsvTable, named_unit};
+use crate::csv_table::named_unit;
 use crate::drawing::Chart;
 use crate::drawing::axis::Axis;
 use crate::drawing::canvas::{DrawError, Ink, Stroke};
@@ -246,7 +246,7 @@ impl TabularRecord {
         let Some(abscissa) = Quantity::of(self, &spec.abscissa, false) else {
             return Ok(None);
         };
-        let Some(x) = axis_over(self.rows.iter().filter_map(|r| abscissa.of_row(r))) else {
+        let Some(x) = axis_over(self.rows.iter().filter_map(|r| abscissa.of_row(r)), 1.0) else {
             return Ok(None);
         };
         let models = self.models();
@@ -284,11 +284,7 @@ impl TabularRecord {
             let mut panel = Panel::new(170.0, &x, &ordinate.name).curves(curves);
             let (low, high) = panel.ordinates();
             // The limit of the curves counts, not zero; markers stay inside of the frame.
-            panel.y =
-                axis_over([low, high].into_iter()).map(|y| match low > 0.0 && high > 30.0 * low {
-                    true => Axis::logarithmic(low / MARGIN, high * MARGIN),
-                    false => y,
-                });
+            panel.y = axis_over([low, high].into_iter(), MARGIN);
             panels.push(panel);
         }
         let Some(last) = panels.last_mut() else {
@@ -354,14 +350,14 @@ impl<'a> Quantity<'a> {
 }
 
 /// Returns an axis over some values, logarithmic where they are positive and spread over more than a decade and a half;
-/// `None` if they are all the same.
-pub(super) fn axis_over(values: impl Iterator<Item = f64>) -> Option<Axis> {
+/// `None` if they are all the same. A logarithmic axis exceeds them by a factor at both ends.
+pub(super) fn axis_over(values: impl Iterator<Item = f64>, factor: f64) -> Option<Axis> {
     let (low, high) = extremes(values);
     if low >= high {
         return None;
     }
     Some(match low > 0.0 && high > 30.0 * low {
-        true => Axis::logarithmic(low, high),
+        true => Axis::logarithmic(low / factor, high * factor),
         false => Axis::padded(low, high, 0.03),
     })
 }
@@ -383,13 +379,9 @@ pub(super) fn report(view: &View<'_>, record: &TabularRecord) -> Result<StudyRep
         tables: glance(&capital(&record.rows_are), content),
         charts,
         details,
-        csv: vec![csv(record)],
+        csv: vec![record.declared().table(&record.rows)],
         ..StudyReport::default()
     })
-}
-
-fn csv(record: &TabularRecord) -> CsvTable {
-    record.declared().table(&record.rows)
 }
 
 #[cfg(test)]

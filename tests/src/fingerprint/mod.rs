@@ -16,11 +16,11 @@ pub use flat::List;
 use clap::Parser;
 use gearbench::cli::Cli;
 use gearbench::context::Context;
-use gearbench::experiment::parallel::{in_parallel, thread_count};
+use gearbench::experiment::parallel::{in_parallel, lock, thread_count};
 use gearbench_reference::reduction::cache::Cache;
 use std::convert::Infallible;
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, OnceLock};
+use std::sync::{Arc, Mutex};
 
 /// End of the keys that hold a hash of bits: equal on one machine, not between machines.
 pub const BITS: &str = ".bits";
@@ -245,19 +245,16 @@ pub fn fingerprint(only: Option<&str>, folder: &Path) -> List {
         .filter(|p| only.is_none_or(|o| o == p.study))
         .collect();
     // Studies of one process do not influence each other.
-    let lists: Vec<OnceLock<List>> = parts.iter().map(|_| OnceLock::new()).collect();
-    let places: Vec<usize> = (0..parts.len()).collect();
-    let done: Result<(), Infallible> = in_parallel(thread_count(None), &places, |i| {
-        let part = parts[*i];
+    let all: Mutex<List> = Mutex::default();
+    let done: Result<(), Infallible> = in_parallel(thread_count(None), &parts, |part| {
         let own = folder.join(format!("{}-{}", part.study, part.name));
         let mut list = List::default();
         run(&context, part, &own, &mut list);
-        lists[*i].set(list).expect("a part runs once");
+        lock(&all).0.extend(list.0);
         Ok(())
     });
     done.expect("no error");
-    let all = lists.into_iter().filter_map(OnceLock::into_inner);
-    List(all.flat_map(|list| list.0).collect())
+    all.into_inner().expect("no part panicked")
 }
 
 fn scenes() -> PathBuf {

@@ -6,13 +6,11 @@ use super::{FramePlan, Plan, compare};
 use crate::cli::command_result::CommandResult;
 use crate::cli::exit::Exit;
 use crate::cli::study_folder::StudyFolder;
-use crate::cli::terminal::{Refusal, absolute, references_of, refuse_run};
+use crate::cli::terminal::{Refusal, absolute, integrators_of, references_of, refuse_run};
 use crate::context::Context;
 use crate::experiment::conditions::Conditions;
-use crate::experiment::run::RunError;
 use crate::experiment::settings::settings;
 use crate::scene_file::{self, Selection};
-use gearbench_integrators::Scheme;
 use gearbench_reports::Study;
 
 /// Runs the comparison and writes its folder.
@@ -36,15 +34,9 @@ pub fn run(context: &Context, args: &Compare, command: &str) -> Result<CommandRe
         ..Plan::of(&scene, &choices, &references)
     };
     let plan = plan.compared_with(&scene, args.yardstick.as_deref())?;
-    let plan = match &args.integrators {
-        // Integrators on the command line apply to all models.
-        Some(text) => {
-            let methods = Scheme::list(text, &scene.study.integrators)
-                .map_err(RunError::from)
-                .map_err(refuse_run)?;
-            scene.check_steps(&methods)?;
-            plan.with_methods(methods)
-        }
+    // Integrators on the command line apply to all models.
+    let plan = match integrators_of(&scene, args.integrators.as_deref())? {
+        Some(methods) => plan.with_methods(methods),
         None => plan,
     };
     let window = window(&args.vtu_window, scene.duration)?;

@@ -11,17 +11,15 @@ use super::table::TableError;
 use crate::cli::command_result::CommandResult;
 use crate::cli::exit::Exit;
 use crate::cli::study_folder::StudyFolder;
-use crate::cli::terminal::{Refusal, refuse_run};
+use crate::cli::terminal::{Refusal, integrators_of};
 use crate::context::Context;
 use crate::experiment::conditions::Conditions;
 use crate::experiment::configuration::Configuration;
 use crate::experiment::key::Key;
 use crate::experiment::machine;
 use crate::experiment::parallel::thread_count;
-use crate::experiment::run::RunError;
 use crate::experiment::settings::settings;
 use crate::scene_file::{self, ModelChoice, SceneError, SceneFile, Selection};
-use gearbench_integrators::Scheme;
 use gearbench_reports::Study;
 use gearbench_reports::record::{Results, Source};
 use gearbench_reports::scan::ScanIdentity;
@@ -96,16 +94,7 @@ fn plan<'a>(scene: &'a SceneFile, args: &Scan, command: &str) -> Result<Plan<'a>
         }
     }
     let outputs = outputs(args)?;
-    let methods = match &args.integrators {
-        Some(text) => {
-            let methods = Scheme::list(text, &scene.study.integrators)
-                .map_err(RunError::from)
-                .map_err(refuse_run)?;
-            scene.check_steps(&methods)?;
-            Some(methods)
-        }
-        None => None,
-    };
+    let methods = integrators_of(scene, args.integrators.as_deref())?;
     let mut runs = Vec::new();
     for (i, choice) in choices.iter().enumerate() {
         let entry = Configuration::of(scene, choice);

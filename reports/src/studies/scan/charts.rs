@@ -95,7 +95,7 @@ fn families(record: &ScanRecord, abscissa: Option<usize>) -> Vec<Family> {
 /// The response over an axis: points of samples over a random axis, lines or bands over a listed one.
 fn response(record: &ScanRecord, axis: usize) -> Result<Option<Chart>, DrawError> {
     let place = |r: &ShownRow| r.values[axis];
-    let Some(x) = axis_over(record.shown.iter().filter_map(place)) else {
+    let Some(x) = axis_over(record.shown.iter().filter_map(place), 1.0) else {
         return Ok(None);
     };
     let listed = !record.axes[axis].values.is_empty();
@@ -225,7 +225,7 @@ fn distribution(record: &ScanRecord) -> Result<Option<Chart>, DrawError> {
             values
         };
         let all: Vec<Vec<f64>> = families.iter().map(values).collect();
-        let Some(x) = axis_over(all.iter().flatten().copied()) else {
+        let Some(x) = axis_over(all.iter().flatten().copied(), 1.0) else {
             continue;
         };
         let curves = all.into_iter().enumerate().map(|(i, values)| {
