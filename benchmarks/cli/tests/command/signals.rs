@@ -35,9 +35,11 @@ fn heard() -> Vec<&'static str> {
     heard.map(|(name, _)| name).collect()
 }
 
-/// Waits until a program has got so far that it catches signals, its first act.
+/// Waits until a program has got so far that it catches all signals that it hears, its first act. It begins to catch
+/// them one after the other: one that has not come to its turn would end the program without a code.
 fn begun(child: &mut Child) {
-    while signals(child.id(), "SigCgt") & TERM == 0 {
+    let ends = INT | TERM | HUP;
+    while ends & !signals(child.id(), "SigIgn") & !signals(child.id(), "SigCgt") != 0 {
         assert!(child.try_wait().unwrap().is_none(), "it ended before");
         std::thread::sleep(Duration::from_micros(100));
     }
