@@ -43,7 +43,7 @@ fn options() -> String {
 /// Words of a name in camel case, as a heading.
 fn heading(name: &str) -> String {
     let mut text = String::new();
-    for (i, c) in name.trim_end_matches("Keys").char_indices() {
+    for (i, c) in name.trim_end_matches("Table").char_indices() {
         if i > 0 && c.is_uppercase() {
             text.push(' ');
         }

@@ -25,7 +25,7 @@ use super::reading::{Document, Place, suggest};
 use gearbench_models::law::Damping;
 use gearbench_models::spec::{Modelling, Value};
 use gearbench_models::stiffness::{PairOrMesh, PairStiffness};
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
@@ -250,12 +250,15 @@ pub struct Calibration {
 }
 
 /// A constant for all gears, constants by gear, or the names of the fitted references.
-#[derive(Clone, Debug, Deserialize)]
-pub(super) enum OneOrOfGear {
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+pub enum OneOrOfGear {
+    /// Names of references, under `fitted_to`.
     #[serde(rename = "<list>")]
     Names(Vec<String>),
+    /// A constant of all gears.
     #[serde(rename = "<number>")]
     One(f64),
+    /// Constants of one gear by key.
     #[serde(rename = "<table>")]
     OfGear(OrderedTable<f64>),
 }

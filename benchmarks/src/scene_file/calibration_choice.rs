@@ -6,10 +6,11 @@ use super::model::Context;
 use super::reading::keys::keys;
 use super::reading::values::CalibrationName;
 use super::reading::{Place, suggest};
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 keys! {
-    pub(super) struct CalibrationKeys {
+    /// A calibration of another scene or label.
+    struct CalibrationTable {
         /// "impact", "static" or "running"
         name: CalibrationName,
         /// scene whose calibration is taken, default this one
@@ -20,12 +21,14 @@ keys! {
 }
 
 /// Calibration of the model itself, or of another scene or label.
-#[derive(Clone, Debug, Deserialize)]
-pub(super) enum CalibrationChoice {
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+pub enum CalibrationChoice {
+    /// The calibration of this model in this scene.
     #[serde(rename = "<text>")]
     Own(CalibrationName),
+    /// The calibration of another scene or label.
     #[serde(rename = "<table>")]
-    Other(CalibrationKeys),
+    Other(CalibrationTable),
 }
 
 /// The calibration that a model uses.

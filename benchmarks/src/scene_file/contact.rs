@@ -10,77 +10,85 @@ use super::contact_points::{PointLaw, PointsChoice, points};
 use super::error::SceneError;
 use super::reading::Place;
 use super::reading::keys::keys;
-use super::reading::values::Count;
-use super::stiffness::{StiffnessKeys, stiffness};
+use super::reading::values::{Count, is_default};
+use super::stiffness::{StiffnessTable, stiffness};
 use gearbench_models::error::Reason;
 use gearbench_models::law::{Damping, Film, Friction, FrictionForm, Law, LawError};
 use gearbench_models::spec::{ContactSpec, LocalContact, Passes, SurfaceKind};
 use gearbench_models::stiffness::{IsoVariation, PairStiffness};
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 keys! {
-    pub(super) struct ContactKeys {
+    /// The contact of a mesh.
+    #[derive(Default)]
+    struct ContactTable {
         /// "iso6336", or { kind = "constant" | "parabola" | "iso6336" | "compliance" | "table", .. }
-        stiffness: Option<StiffnessKeys>,
+        stiffness: Option<StiffnessTable>,
         /// exponent of the penetration from 1 to 3, default 1
         exponent: Option<f64>,
         /// "none" (default), or { law = "kelvin-voigt" | "flores" | .., .. }
-        #[serde(default)]
-        damping: DampingKeys,
+        #[serde(default, skip_serializing_if = "is_default")]
+        damping: DampingTable,
         /// { mu | film, v_ref_m_s | stick_m }; left out, none
-        friction: Option<FrictionKeys>,
+        friction: Option<FrictionTable>,
         /// slices over the face width; left out, 1 for spur gears and 16 for helical or crowned ones
         slices: Option<Count<1, 1000>>,
         /// models with flank points: pressure over penetration, for steel for example 1e15
-        pub(super) penalty_pa_per_m: Option<f64>,
+        penalty_pa_per_m: Option<f64>,
         /// in place of penalty_pa_per_m: force of a node over its penetration, with points = "nodes", for example
         /// 3.5e7
-        pub(super) penalty_n_per_m: Option<f64>,
+        penalty_n_per_m: Option<f64>,
         /// of flank points: "penalty" (default), or "hard": no penalty, for elastic gears with residual compliance
-        pub(super) law: Option<PointLaw>,
+        law: Option<PointLaw>,
         /// compliance next to the contact: "mesh" (default), the elements, with a penalty; or "half-space", Hertz's
         /// approach in their place, for elastic gears
-        pub(super) local: Option<LocalContact>,
+        local: Option<LocalContact>,
         /// "quadrature" (default), "nodes", or { along, across }; with law = "hard" "mortar" (default) or "nodes"
-        pub(super) points: Option<PointsChoice>,
+        points: Option<PointsChoice>,
         /// between the nodes of a flank: "smooth" (default) or "faceted"
-        pub(super) surface: Option<SurfaceKind>,
+        surface: Option<SurfaceKind>,
         /// whose points touch the other's surface: "first", "second" or "both"; left out, those of the first gear with
         /// flanks
-        pub(super) passes: Option<Passes>,
+        passes: Option<Passes>,
         /// dashpot per area of flank in N s/m per m2, default 0
-        pub(super) damping_ns_per_m3: Option<f64>,
+        damping_ns_per_m3: Option<f64>,
         /// gap of the undeformed flanks up to which they are looked at, default a fiftieth of the base pitch
-        pub(super) reach_m: Option<f64>,
+        reach_m: Option<f64>,
     }
 
-    pub(super) struct DamperKeys {
+    /// A dashpot.
+    struct DamperTable {
         /// damper in N s/m, zero or more, for example { law = "kelvin-voigt", damping_ns_per_m = 500.0 }
         damping_ns_per_m: f64,
     }
 
-    pub(super) struct RatioKeys {
+    /// A ratio of damping.
+    struct RatioTable {
         /// damping over critical damping, for example { law = "kelvin-voigt-ratio", ratio = 0.05 }
         ratio: f64,
     }
 
-    pub(super) struct RestitutionKeys {
+    /// A coefficient of restitution.
+    struct RestitutionTable {
         /// coefficient of restitution, above 0 up to 1, for example { law = "flores", e = 0.9 }
         e: f64,
     }
 
-    pub(super) struct FrictionKeys {
+    /// Friction of a contact.
+    #[derive(Default)]
+    struct FrictionTable {
         /// coefficient of friction, zero or more
         mu: Option<f64>,
         /// in place of mu: { viscosity_pa_s, roughness_m, lubricant_factor }, the mean coefficient of a lubricated mesh
-        film: Option<FilmKeys>,
+        film: Option<FilmTable>,
         /// sliding speed in m/s over which the force is smoothed, for example 0.01
         v_ref_m_s: Option<f64>,
         /// in place of v_ref_m_s: elastic displacement in m of sticking contacts, for example 1e-6
         stick_m: Option<f64>,
     }
 
-    pub(super) struct FilmKeys {
+    /// A lubricated contact.
+    struct FilmTable {
         /// dynamic viscosity of the oil at its temperature, for example 0.04
         viscosity_pa_s: f64,
         /// arithmetic mean roughness of the flanks, for example 4e-7
@@ -91,44 +99,54 @@ keys! {
     }
 }
 
-#[derive(Clone, Debug, Default, Deserialize)]
+/// Damping of the normal force; the tag is `law`.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
 #[serde(rename = "<law>", rename_all = "kebab-case")]
-enum DampingKeys {
+pub enum DampingTable {
+    /// The contact has no damping.
     #[default]
     None,
-    KelvinVoigt(DamperKeys),
-    KelvinVoigtBounded(DamperKeys),
-    KelvinVoigtRatio(RatioKeys),
-    RatioAtLoad(RatioKeys),
-    HuntCrossley(RestitutionKeys),
-    LankaraniNikravesh(RestitutionKeys),
-    Flores(RestitutionKeys),
-    Gonthier(RestitutionKeys),
+    /// A linear dashpot.
+    KelvinVoigt(DamperTable),
+    /// A linear dashpot whose force is at most the elastic one.
+    KelvinVoigtBounded(DamperTable),
+    /// A linear dashpot by its ratio to critical damping with the reduced mass of the pair.
+    KelvinVoigtRatio(RatioTable),
+    /// A damper proportional to the force, by its ratio to critical damping at the load.
+    RatioAtLoad(RatioTable),
+    /// The law of Hunt and Crossley.
+    HuntCrossley(RestitutionTable),
+    /// The law of Lankarani and Nikravesh.
+    LankaraniNikravesh(RestitutionTable),
+    /// The law of Flores.
+    Flores(RestitutionTable),
+    /// The law of Gonthier.
+    Gonthier(RestitutionTable),
 }
 
-impl From<&DampingKeys> for Damping {
-    fn from(keys: &DampingKeys) -> Self {
+impl From<&DampingTable> for Damping {
+    fn from(keys: &DampingTable) -> Self {
         match keys {
-            DampingKeys::None => Damping::None,
-            DampingKeys::KelvinVoigt(keys) => Damping::KelvinVoigt {
+            DampingTable::None => Damping::None,
+            DampingTable::KelvinVoigt(keys) => Damping::KelvinVoigt {
                 c: keys.damping_ns_per_m,
             },
-            DampingKeys::KelvinVoigtBounded(keys) => Damping::KelvinVoigtBounded {
+            DampingTable::KelvinVoigtBounded(keys) => Damping::KelvinVoigtBounded {
                 c: keys.damping_ns_per_m,
             },
-            DampingKeys::KelvinVoigtRatio(keys) => Damping::KelvinVoigtRatio { ratio: keys.ratio },
-            DampingKeys::RatioAtLoad(keys) => Damping::RatioAtLoad { ratio: keys.ratio },
-            DampingKeys::HuntCrossley(keys) => Damping::HuntCrossley { e: keys.e },
-            DampingKeys::LankaraniNikravesh(keys) => Damping::LankaraniNikravesh { e: keys.e },
-            DampingKeys::Flores(keys) => Damping::Flores { e: keys.e },
-            DampingKeys::Gonthier(keys) => Damping::Gonthier { e: keys.e },
+            DampingTable::KelvinVoigtRatio(keys) => Damping::KelvinVoigtRatio { ratio: keys.ratio },
+            DampingTable::RatioAtLoad(keys) => Damping::RatioAtLoad { ratio: keys.ratio },
+            DampingTable::HuntCrossley(keys) => Damping::HuntCrossley { e: keys.e },
+            DampingTable::LankaraniNikravesh(keys) => Damping::LankaraniNikravesh { e: keys.e },
+            DampingTable::Flores(keys) => Damping::Flores { e: keys.e },
+            DampingTable::Gonthier(keys) => Damping::Gonthier { e: keys.e },
         }
     }
 }
 
 /// Checks a contact. The stiffness may be missing if a calibration supplies it.
 pub(super) fn contact(
-    keys: &ContactKeys,
+    keys: &ContactTable,
     calibrated: bool,
     at: &Place<'_>,
 ) -> Result<ContactSpec, SceneError> {
@@ -139,7 +157,7 @@ pub(super) fn contact(
         None if calibrated || points.is_some() => PairStiffness::Iso6336 {
             variation: IsoVariation::default(),
         },
-        None => return Err(at.missing("stiffness", &ContactKeys::TABLE)),
+        None => return Err(at.missing("stiffness", &ContactTable::TABLE)),
     };
     let exponent = keys.exponent.unwrap_or(1.0);
     let damping = Damping::from(&keys.damping);
@@ -160,7 +178,7 @@ fn mineral() -> f64 {
 }
 
 /// Reads friction; one key selects the coefficient and one the form of the law.
-fn friction(keys: &FrictionKeys, at: &Place<'_>) -> Result<Friction, SceneError> {
+fn friction(keys: &FrictionTable, at: &Place<'_>) -> Result<Friction, SceneError> {
     let error =
         |cause: String, help: String| at.key("friction").error(cause, "this friction", help);
     let form = match (keys.v_ref_m_s, keys.stick_m) {

@@ -1,13 +1,13 @@
 //! The keys of `contact` for models with contact at points of their flanks.
 
-use super::contact::ContactKeys;
+use super::contact::ContactTable;
 use super::error::SceneError;
 use super::reading::Place;
 use super::reading::keys::keys;
 use super::reading::values::Count;
 use gearbench_models::error::Reason;
 use gearbench_models::spec::{LocalContact, MAX_POINTS, PointContact, PointRule};
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 /// Keys that are valid for flank points only.
 const OF_POINTS: [&str; 6] = [
@@ -19,26 +19,34 @@ const OF_POINTS: [&str; 6] = [
     "reach_m",
 ];
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+/// Law of the contact at points of flanks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub(super) enum PointLaw {
+pub enum PointLaw {
+    /// A pressure that grows with the penetration.
     Penalty,
+    /// Gaps that do not become negative.
     Hard,
 }
 
 /// Contact points of an element face.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub(super) enum PointsChoice {
+pub enum PointsChoice {
+    /// Quadrature points of the faces.
     Quadrature,
+    /// The nodes.
     Nodes,
+    /// Gaps that are averaged at the nodes, for hard contact.
     Mortar,
+    /// Quadrature points by their numbers.
     #[serde(rename = "<table>")]
-    Grid(PointKeys),
+    Grid(PointTable),
 }
 
 keys! {
-    pub(super) struct PointKeys {
+    /// Numbers of quadrature points of a face.
+    struct PointTable {
         /// quadrature points of a face along the profile, 8 are usual
         along: Count<1, { MAX_POINTS as u32 }>,
         /// quadrature points of a face over the width, 2 are usual
@@ -48,7 +56,7 @@ keys! {
 
 /// Reads the contact of flank points; `None` without a penalty.
 pub(super) fn points(
-    keys: &ContactKeys,
+    keys: &ContactTable,
     at: &Place<'_>,
 ) -> Result<Option<PointContact>, SceneError> {
     if keys.local == Some(LocalContact::HalfSpace) {
@@ -113,7 +121,7 @@ fn half_space(at: &Place<'_>) -> Result<PointContact, SceneError> {
 }
 
 /// Reads the point rule of a penalty law.
-fn rule(keys: &ContactKeys, at: &Place<'_>) -> Result<PointRule, SceneError> {
+fn rule(keys: &ContactTable, at: &Place<'_>) -> Result<PointRule, SceneError> {
     Ok(match &keys.points {
         None | Some(PointsChoice::Quadrature) => PointRule::default(),
         Some(PointsChoice::Nodes) => PointRule::Nodes,
@@ -132,7 +140,7 @@ fn rule(keys: &ContactKeys, at: &Place<'_>) -> Result<PointRule, SceneError> {
 }
 
 /// Contact with the same penalty at every node [N/m].
-fn per_node(penalty: f64, keys: &ContactKeys, at: &Place<'_>) -> Result<PointContact, SceneError> {
+fn per_node(penalty: f64, keys: &ContactTable, at: &Place<'_>) -> Result<PointContact, SceneError> {
     match rule(keys, at)? {
         PointRule::Nodes => Ok(PointContact {
             rule: PointRule::EachNode,
@@ -147,7 +155,7 @@ fn per_node(penalty: f64, keys: &ContactKeys, at: &Place<'_>) -> Result<PointCon
 }
 
 /// Hard contact, without a penalty.
-fn hard(keys: &ContactKeys, at: &Place<'_>) -> Result<PointContact, SceneError> {
+fn hard(keys: &ContactTable, at: &Place<'_>) -> Result<PointContact, SceneError> {
     let penalties = ["penalty_pa_per_m", "penalty_n_per_m"];
     if let Some(key) = penalties.into_iter().find(|key| at.has(key)) {
         return at.key(key).refuse(

@@ -12,7 +12,8 @@ use super::reading::values::{Degrees, NotNegative};
 use gearbench_models::geometry::{Deviations, FlankDeviations, GivenDeviations};
 
 keys! {
-    pub(super) struct DeviationKeys {
+    /// Deviations of single teeth.
+    struct DeviationTable {
         /// tolerance class of ISO 1328-1 to draw from, 1 to 11; combined with `seed` alone
         class: Option<u32>,
         /// a whole number, default 0; the same seed gives the same gear
@@ -22,12 +23,13 @@ keys! {
         /// direction from the axis to the middle of the toothing in degrees from tooth 0, default 0
         runout_deg: Option<Degrees>,
         /// { cumulative_pitch_m, profile_slope_m, profile_form_m } of the left (counter-clockwise) flanks
-        left: Option<FlankKeys>,
+        left: Option<FlankTable>,
         /// the same of the right flanks
-        right: Option<FlankKeys>,
+        right: Option<FlankTable>,
     }
 
-    pub(super) struct FlankKeys {
+    /// Measured deviations of the flanks of one side.
+    struct FlankTable {
         /// list over the teeth: counter-clockwise displacement of each flank on the reference circle in metres
         cumulative_pitch_m: Option<Vec<f64>>,
         /// list over the teeth: profile slope deviation f_Halpha in metres, positive for more material at the tip
@@ -39,7 +41,7 @@ keys! {
 
 /// Deviations of the teeth of a gear.
 pub(super) fn deviations(
-    keys: Option<&DeviationKeys>,
+    keys: Option<&DeviationTable>,
     at: &Place<'_>,
 ) -> Result<Deviations, SceneError> {
     let Some(keys) = keys else {
@@ -72,12 +74,12 @@ pub(super) fn deviations(
             sides: [&keys.left, &keys.right]
                 .map(|k| k.as_ref().map_or_else(Default::default, flank)),
             runout: keys.runout_m.map_or(0.0, |x| x.0),
-            runout_direction: keys.runout_deg.map_or(0.0, |x| x.0),
+            runout_direction: keys.runout_deg.map_or(0.0, Degrees::radians),
         }))),
     }
 }
 
-fn flank(keys: &FlankKeys) -> FlankDeviations {
+fn flank(keys: &FlankTable) -> FlankDeviations {
     let list = |values: &Option<Vec<f64>>| values.clone().unwrap_or_default();
     FlankDeviations {
         cumulative_pitch: list(&keys.cumulative_pitch_m),

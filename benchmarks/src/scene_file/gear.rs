@@ -2,35 +2,39 @@
 
 mod params;
 
-use super::deviations::{DeviationKeys, deviations};
+use super::deviations::{DeviationTable, deviations};
 use super::error::SceneError;
 use super::geometry::geometry;
 use super::material::{MaterialChoice, material};
-use super::modifications::{EndReliefKeys, MeasuredFlanks, PerSide, TopographyKeys, topography};
+use super::modifications::{EndReliefTable, MeasuredFlanks, PerSide, TopographyTable, topography};
 use super::out_of_plane::{
-    BearingKeys, DirectionKeys, MisalignmentKeys, OutOfPlaneKeys, Position, Spin, out_of_plane,
+    BearingTable, DirectionTable, MisalignmentTable, OutOfPlaneTable, Position, out_of_plane,
 };
 use super::plausibility::pressure_angle;
 use super::profile::{GearLoad, GearMount, RackLoad, RackMount};
 use super::reading::Place;
 use super::reading::keys::keys;
-use super::reading::values::{Degrees, NotNegative, Positive};
+use super::reading::values::{Degrees, NotNegative, Positive, is_default};
 use gearbench_models::Vec3;
 use gearbench_models::geometry::{Gear, Rack, ReliefShape};
-use gearbench_models::spec::{Body, GearSpec, Guide, Load, Mount, UPRIGHT};
-use serde::Deserialize;
+use gearbench_models::spec::{Body, GearSpec, Guide, Load, Mount, SpinTerms, UPRIGHT};
+use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
 /// Keys of a gear or of a rack.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(rename = "<kind=gear>", rename_all = "kebab-case")]
-pub(super) enum ToothedKeys {
-    Gear(Box<GearKeys>),
-    Rack(Box<RackKeys>),
+pub enum ToothedTable {
+    /// A gear, external, internal or conical.
+    Gear(Box<GearTable>),
+    /// A rack.
+    Rack(Box<RackTable>),
 }
 
 keys! {
-    pub(super) struct GearKeys {
+    /// The table `[gears.NAME]` of a gear.
+    #[derive(Default)]
+    struct GearTable {
         /// number of teeth, for example 20
         teeth: u32,
         /// normal module in metres, for example 0.004
@@ -38,7 +42,7 @@ keys! {
         /// normal pressure angle in degrees, default 20
         pressure_angle_deg: Option<Degrees>,
         /// profile shift coefficient x, default 0
-        #[serde(default)]
+        #[serde(default, skip_serializing_if = "is_default")]
         profile_shift: f64,
         /// helix angle in degrees, right hand positive, default 0
         helix_angle_deg: Option<Degrees>,
@@ -55,13 +59,13 @@ keys! {
         /// tip radius of the tool over module, default 0.38, of the cutter of an internal gear 0.25
         tip_radius_factor: Option<f64>,
         /// reduction of the tooth thickness at the reference circle in metres, default 0
-        #[serde(default)]
+        #[serde(default, skip_serializing_if = "is_default")]
         thinning_m: f64,
         /// bore radius in metres, default 0 (solid: the elastic body then has a seat of half the root radius)
-        #[serde(default)]
+        #[serde(default, skip_serializing_if = "is_default")]
         bore_radius_m: f64,
         /// true for an internal gear (a ring gear): dedendum and tip radius factors are those of its cutter, a positive profile shift thickens its teeth and moves their tips inwards; default false
-        #[serde(default)]
+        #[serde(default, skip_serializing_if = "is_default")]
         internal: bool,
         /// teeth of the pinion-type cutter of an internal gear, default two fifths of those of the gear
         cutter_teeth: Option<u32>,
@@ -74,60 +78,62 @@ keys! {
         /// outer radius of the rim of an internal gear in metres, where its body is held; default three and a half modules over the root
         rim_radius_m: Option<f64>,
         /// { amount_m, start_radius_m, shape = "linear" or "parabolic" }
-        tip_relief: Option<Box<ReliefKeys>>,
+        tip_relief: Option<Box<ReliefTable>>,
         /// material removed at tip and root by profile crowning in metres, default 0
-        #[serde(default)]
+        #[serde(default, skip_serializing_if = "is_default")]
         profile_crowning_m: f64,
         /// material removed at both face ends by lead crowning in metres, default 0
-        #[serde(default)]
+        #[serde(default, skip_serializing_if = "is_default")]
         lead_crowning_m: f64,
         /// relief at the ends of the face: { low = { amount_m, length_m, shape = "linear" or "parabolic" }, high = { .. } }
-        end_relief: Option<EndReliefKeys>,
+        end_relief: Option<EndReliefTable>,
         /// material removed towards the upper end of the face (below 0 the lower one), growing linearly from the other, in metres: a number or { left, right }, default 0
         helix_slope_m: Option<PerSide>,
         /// how much more the tip has removed over the form circle at the upper end of the face than at the lower one, in metres: a number or { left, right }, default 0
         twist_m: Option<PerSide>,
         /// measured flanks on a grid: { both = "flank.csv", unit_m = 1e-6 }, or left and right as lists of rows
-        topography: Option<Box<TopographyKeys>>,
+        topography: Option<Box<TopographyTable>>,
         /// deviations of single teeth: { class = 6, seed = 1 } of ISO 1328-1, or measured
-        deviations: Option<Box<DeviationKeys>>,
+        deviations: Option<Box<DeviationTable>>,
         /// "steel" (default), "steel-iso6336", or { young_pa, poisson, density_kg_m3 }
-        #[serde(default)]
+        #[serde(default, skip_serializing_if = "is_default")]
         material: MaterialChoice,
         /// inertia about the axis in kg m^2; left out, that of the toothing
         inertia_kgm2: Option<Positive>,
         /// inertia added at the hub in kg m^2, default 0
         added_inertia_kgm2: Option<NotNegative>,
         /// "revolute" (default), "fixed", { driven = { speed_rad_s = 100.0 } }, or { guided = { stiffness_nm_per_rad, damping_nms_per_rad, friction_nm, stick_rad } }
-        #[serde(default)]
+        #[serde(default, skip_serializing_if = "is_default")]
         mount: GearMount,
         /// [x, y] of the axis, or [x, y, z] of the middle of the face width on it, in metres; left out, the mesh places the gear
         position_m: Option<Position>,
         /// direction of the axis, default [0, 0, 1]
         axis: Option<[f64; 3]>,
         /// small tilt of the axis, for example { plane_of_action = 0.03 }
-        misalignment_deg: Option<MisalignmentKeys>,
+        misalignment_deg: Option<MisalignmentTable>,
         /// mass in kg, for hubs that move sideways; left out, that of the toothing
         mass_kg: Option<Positive>,
         /// mass added in kg, for hubs that move sideways, default 0
         added_mass_kg: Option<NotNegative>,
         /// springs and dampers to the ground that let the hub move in its other directions, for example { stiffness = [1e8, 1e8, 5e7, 1e5, 1e5, 0.0] }
-        bearing: Option<BearingKeys>,
+        bearing: Option<BearingTable>,
         /// directions of the hub that are held, free or driven, for example { z = "held" }
-        directions: Option<DirectionKeys>,
+        directions: Option<DirectionTable>,
         /// centre of mass from the hub in its axes at the start in metres, default [0, 0, 0]
         centre_of_mass_m: Option<[f64; 3]>,
         /// inertia tensor about the centre of mass in the axes of the hub at the start, three rows of three; left out, that of a round body
         inertia_tensor_kgm2: Option<[[f64; 3]; 3]>,
         /// gyroscopic, centrifugal and Coriolis terms: "auto" (default: where the speed is more than a thousandth of the lowest tilting frequency), "on" or "off"
-        spin_terms: Option<Spin>,
+        spin_terms: Option<SpinTerms>,
         /// initial angular velocity in rad/s, counter-clockwise positive, default 0
         speed_rad_s: Option<f64>,
         /// list of loads, for example [{ torque_nm = 10.0 }]
         loads: Option<Vec<GearLoad>>,
     }
 
-    pub(super) struct RackKeys {
+    /// The table `[gears.NAME]` of a rack, with `kind = "rack"`.
+    #[derive(Default)]
+    struct RackTable {
         /// number of teeth, for example 20
         teeth: u32,
         /// normal module in metres, for example 0.004
@@ -145,32 +151,32 @@ keys! {
         /// tip radius of the rack tool over module, default 0.38
         tip_radius_factor: Option<f64>,
         /// reduction of the tooth thickness at the reference circle in metres, default 0
-        #[serde(default)]
+        #[serde(default, skip_serializing_if = "is_default")]
         thinning_m: f64,
         /// height of the body below the root line in metres, default one and a half modules
         body_height_m: Option<f64>,
         /// "steel" (default), "steel-iso6336", or { young_pa, poisson, density_kg_m3 }
-        #[serde(default)]
+        #[serde(default, skip_serializing_if = "is_default")]
         material: MaterialChoice,
         /// mass in kg; left out, that of the toothed body
         mass_kg: Option<Positive>,
         /// mass added in kg, default 0
         added_mass_kg: Option<NotNegative>,
         /// "prismatic" (default), "fixed", { driven = { speed_m_s = 1.0 } }, or { guided = { stiffness_n_per_m, damping_ns_per_m, friction_n, stick_m } }
-        #[serde(default)]
+        #[serde(default, skip_serializing_if = "is_default")]
         mount: RackMount,
         /// [x, y], or [x, y, z], of the middle of its reference line in metres; left out, the mesh places the rack
         position_m: Option<Position>,
         /// springs and dampers to the ground that let the hub move in its other directions, for example { stiffness = [1e8, 1e8, 5e7, 1e5, 1e5, 0.0] }
-        bearing: Option<BearingKeys>,
+        bearing: Option<BearingTable>,
         /// directions of the hub that are held, free or driven, for example { z = "held" }
-        directions: Option<DirectionKeys>,
+        directions: Option<DirectionTable>,
         /// centre of mass from the hub in its axes at the start in metres, default [0, 0, 0]
         centre_of_mass_m: Option<[f64; 3]>,
         /// inertia tensor about the centre of mass in the axes of the hub at the start, three rows of three; left out, that of a round body
         inertia_tensor_kgm2: Option<[[f64; 3]; 3]>,
         /// gyroscopic, centrifugal and Coriolis terms: "auto" (default: where the speed is more than a thousandth of the lowest tilting frequency), "on" or "off"
-        spin_terms: Option<Spin>,
+        spin_terms: Option<SpinTerms>,
         /// direction from the body to the teeth in degrees; left out, towards the gear
         facing_deg: Option<Degrees>,
         /// initial speed in m/s, positive as the pitch line of a gear in front of its teeth that turns counter-clockwise, default 0
@@ -179,7 +185,8 @@ keys! {
         loads: Option<Vec<RackLoad>>,
     }
 
-    pub(super) struct ReliefKeys {
+    /// Tip relief of a gear.
+    struct ReliefTable {
         /// material removed at the tip, normal to the flank, in metres
         amount_m: f64,
         /// radius at which the relief starts in metres
@@ -198,7 +205,7 @@ pub(super) struct GearDraft {
     /// Direction of the axis given in the file.
     pub(super) axis: Option<Vec3>,
     /// Misalignment given in the file.
-    pub(super) misalignment: Option<MisalignmentKeys>,
+    pub(super) misalignment: Option<MisalignmentTable>,
     /// Facing of a rack given in the file [rad].
     pub(super) facing: Option<f64>,
     /// Files from which measured flanks were read.
@@ -215,9 +222,9 @@ struct Hub {
     material: MaterialChoice,
     position: Option<Position>,
     axis: Option<[f64; 3]>,
-    misalignment: Option<MisalignmentKeys>,
+    misalignment: Option<MisalignmentTable>,
     facing: Option<Degrees>,
-    lateral: OutOfPlaneKeys,
+    lateral: OutOfPlaneTable,
     /// Index of the own motion among the six directions of the hub.
     own: usize,
     loads: Vec<Load>,
@@ -238,18 +245,18 @@ pub(super) fn check_name(name: &str, at: &Place<'_>) -> Result<(), SceneError> {
 /// Checks and builds one gear or rack.
 pub(super) fn gear(
     name: &str,
-    keys: ToothedKeys,
+    keys: ToothedTable,
     folder: Option<&Path>,
     at: &Place<'_>,
 ) -> Result<GearDraft, SceneError> {
     let angle = match &keys {
-        ToothedKeys::Gear(keys) => keys.pressure_angle_deg,
-        ToothedKeys::Rack(keys) => keys.pressure_angle_deg,
+        ToothedTable::Gear(keys) => keys.pressure_angle_deg,
+        ToothedTable::Rack(keys) => keys.pressure_angle_deg,
     };
     if let Some(angle) = angle {
-        pressure_angle(angle.0, at)?;
+        pressure_angle(angle.radians(), at)?;
     }
-    if let ToothedKeys::Gear(keys) = &keys
+    if let ToothedTable::Gear(keys) = &keys
         && !keys.internal
     {
         let of_ring = [
@@ -268,21 +275,21 @@ pub(super) fn gear(
         }
     }
     let measured = match &keys {
-        ToothedKeys::Gear(keys) => {
+        ToothedTable::Gear(keys) => {
             topography(keys.topography.as_deref(), folder, &at.key("topography"))?
         }
-        ToothedKeys::Rack(_) => MeasuredFlanks::default(),
+        ToothedTable::Rack(_) => MeasuredFlanks::default(),
     };
     let body = match &keys {
-        ToothedKeys::Gear(keys) => {
+        ToothedTable::Gear(keys) => {
             let deviations = deviations(keys.deviations.as_deref(), &at.key("deviations"))?;
             Gear::new(keys.params(deviations, measured.sides)).map(Body::Gear)
         }
-        ToothedKeys::Rack(keys) => Rack::new(keys.params()).map(Body::Rack),
+        ToothedTable::Rack(keys) => Rack::new(keys.params()).map(Body::Rack),
     };
     let body = body.map_err(|e| geometry(at, &e))?;
     let hub = match keys {
-        ToothedKeys::Gear(keys) => Hub {
+        ToothedTable::Gear(keys) => Hub {
             mount: keys.mount.parts(),
             speed: ("speed_rad_s", keys.speed_rad_s),
             inertia: keys.inertia_kgm2,
@@ -292,7 +299,7 @@ pub(super) fn gear(
             axis: keys.axis,
             misalignment: keys.misalignment_deg,
             facing: None,
-            lateral: OutOfPlaneKeys {
+            lateral: OutOfPlaneTable {
                 bearing: keys.bearing,
                 directions: keys.directions,
                 mass: keys.mass_kg,
@@ -304,7 +311,7 @@ pub(super) fn gear(
             own: 5,
             loads: keys.loads.into_iter().flatten().map(Load::from).collect(),
         },
-        ToothedKeys::Rack(keys) => Hub {
+        ToothedTable::Rack(keys) => Hub {
             mount: keys.mount.parts(),
             speed: ("speed_m_s", keys.speed_m_s),
             inertia: keys.mass_kg,
@@ -314,7 +321,7 @@ pub(super) fn gear(
             axis: None,
             misalignment: None,
             facing: keys.facing_deg,
-            lateral: OutOfPlaneKeys {
+            lateral: OutOfPlaneTable {
                 bearing: keys.bearing,
                 directions: keys.directions,
                 mass: keys.mass_kg,
@@ -332,7 +339,7 @@ pub(super) fn gear(
         position: hub.position.map(|p| p.0),
         misalignment: hub.misalignment,
         axis: axis(hub.axis, &at.key("axis"))?,
-        facing: hub.facing.map(|f| f.0),
+        facing: hub.facing.map(Degrees::radians),
         files: measured.files,
         spec: GearSpec {
             name: name.to_owned(),

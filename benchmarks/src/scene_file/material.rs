@@ -4,10 +4,11 @@ use super::error::SceneError;
 use super::reading::Place;
 use super::reading::keys::keys;
 use gearbench_models::stiffness::{Material, Property, StiffnessError};
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 keys! {
-    pub(super) struct MaterialKeys {
+    /// A material by its constants.
+    struct MaterialTable {
         /// Young's modulus in pascal, for example 2.1e11
         young_pa: f64,
         /// Poisson's ratio, for example 0.3
@@ -18,14 +19,17 @@ keys! {
 }
 
 /// A steel by name, or a material by its constants.
-#[derive(Clone, Debug, Default, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub(super) enum MaterialChoice {
+pub enum MaterialChoice {
+    /// Steel with 210 GPa.
     #[default]
     Steel,
+    /// Steel with the constants of ISO 6336.
     SteelIso6336,
+    /// A material by its constants.
     #[serde(rename = "<table>")]
-    Own(MaterialKeys),
+    Own(MaterialTable),
 }
 
 /// Returns the material of a choice.

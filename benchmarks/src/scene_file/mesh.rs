@@ -7,10 +7,10 @@
 use super::error::SceneError;
 use super::gear::GearDraft;
 use super::geometry::keys_of;
-use super::out_of_plane::{MisalignmentKeys, misaligned};
+use super::out_of_plane::{MisalignmentTable, misaligned};
 use super::reading::Place;
 use super::reading::keys::keys;
-use super::reading::values::{Degrees, GearName, Positive};
+use super::reading::values::{Degrees, GearName, Positive, is_default};
 use super::shaft::{ShaftGears, place_by_shaft};
 use gearbench_models::Vec3;
 use gearbench_models::error::Reason;
@@ -21,11 +21,13 @@ use gearbench_models::spec::{
 };
 
 keys! {
-    pub(super) struct MeshKeys {
+    /// A pair of meshing gears.
+    #[derive(Default)]
+    struct MeshTable {
         /// the two names, for example ["pinion", "wheel"]; a rack comes second
         gears: [GearName; 2],
         /// { flank = "left" or "right", gap_m, path_coordinate_m, loaded = true }
-        start: Option<StartKeys>,
+        start: Option<StartTable>,
         /// distance of the axes (to the reference line of a rack) in metres
         centre_distance_m: Option<Positive>,
         /// normal backlash in metres, from which the centre distance follows
@@ -34,23 +36,25 @@ keys! {
         direction_deg: Option<Degrees>,
     }
 
-    pub(super) struct StartKeys {
+    /// The start of a mesh.
+    #[derive(Default)]
+    struct StartTable {
         /// "left" (default; drives when the first gear turns counter-clockwise) or "right"
         flank: Option<Side>,
         /// gap of that flank along its normal in metres, default 0
-        #[serde(default)]
+        #[serde(default, skip_serializing_if = "is_default")]
         gap_m: f64,
         /// path coordinate of the pair from the first gear's tangent point in metres; left out, the pitch point
         path_coordinate_m: Option<f64>,
         /// true: the whole scene starts in the equilibrium of its loads, default false
-        #[serde(default)]
+        #[serde(default, skip_serializing_if = "is_default")]
         loaded: bool,
     }
 }
 
 /// Checks all meshes and sets the positions of the gears.
 pub(super) fn meshes(
-    list: &[MeshKeys],
+    list: &[MeshTable],
     gears: &mut [GearDraft],
     shafts: &[ShaftGears],
     root: &Place<'_>,
@@ -115,7 +119,11 @@ fn direct(gears: &mut [GearDraft]) {
 }
 
 /// Indices of the two gears of a mesh.
-fn pair_of(keys: &MeshKeys, gears: &[GearDraft], at: &Place<'_>) -> Result<[usize; 2], SceneError> {
+fn pair_of(
+    keys: &MeshTable,
+    gears: &[GearDraft],
+    at: &Place<'_>,
+) -> Result<[usize; 2], SceneError> {
     let [one, two] = &keys.gears;
     let index = |name: &GearName| gears.iter().position(|g| g.spec.name == name.0);
     // Other names are refused when they are read.
@@ -140,7 +148,7 @@ fn pair_of(keys: &MeshKeys, gears: &[GearDraft], at: &Place<'_>) -> Result<[usiz
 
 /// Sets the positions of gears that have none.
 fn place_gears(
-    keys: &MeshKeys,
+    keys: &MeshTable,
     gears: &mut [GearDraft],
     [a, b]: [usize; 2],
     placed: &mut [bool],
@@ -211,7 +219,7 @@ fn place_gears(
             );
         }
     };
-    let direction = keys.direction_deg.map_or(0.0, |d| d.0);
+    let direction = keys.direction_deg.map_or(0.0, Degrees::radians);
     let (known, new, sign) = if placed[a] { (a, b, 1.0) } else { (b, a, -1.0) };
     let from = gears[known].position.unwrap_or_default();
     let [x, y, _] = gears[known].spec.axes;
@@ -337,7 +345,7 @@ fn shorter_addendum(gear: &GearDraft, reduce_by: f64) -> String {
     }
 }
 
-fn start_of(keys: Option<&StartKeys>, pair: &Pair, at: &Place<'_>) -> Result<Start, SceneError> {
+fn start_of(keys: Option<&StartTable>, pair: &Pair, at: &Place<'_>) -> Result<Start, SceneError> {
     let side = keys.and_then(|k| k.flank).unwrap_or(Side::Left);
     let gap = keys.map_or(0.0, |k| k.gap_m);
     let path_coordinate = keys.and_then(|k| k.path_coordinate_m);
@@ -368,7 +376,7 @@ fn start_of(keys: Option<&StartKeys>, pair: &Pair, at: &Place<'_>) -> Result<Sta
 /// Tilts the axes of gears by their misalignments, each in the plane of action of its first mesh.
 pub(super) fn misalign<'k>(
     spec: &mut SceneSpec,
-    misalignments: impl Iterator<Item = Option<&'k MisalignmentKeys>>,
+    misalignments: impl Iterator<Item = Option<&'k MisalignmentTable>>,
     at: &Place<'_>,
 ) -> Result<(), SceneError> {
     let mut axes: Vec<Vec3> = spec.gears.iter().map(|g| g.axes[2]).collect();

@@ -4,6 +4,7 @@
 //! |---|---|
 //! | `reading` | deserialisation of TOML with places, suggestions, limits and units |
 //! | `error` | errors with line and help |
+//! | [`format`] | the tables of a scene as values: made, changed and written by a program |
 //! | `load` | scenes by name or path |
 //! | `gear`, `geometry`, `profile`, `mesh` | `[gears.NAME]`, its loads and mount, `[[meshes]]` |
 //! | `model`, `calibration_choice`, [`calibration`] | `[[models]]`, fitted constants |
@@ -27,6 +28,7 @@ mod contact;
 mod contact_points;
 mod deviations;
 mod error;
+pub mod format;
 mod formulas;
 mod gear;
 mod geometry;
@@ -74,46 +76,48 @@ use gearbench_models::spec::{GearSpec, SceneSpec};
 use gearbench_reports::record::Tolerance;
 use reading::Document;
 use reading::keys::keys;
-use reading::values::{OrderedTable, Positive};
-use references::{ReferenceChoice, ReferenceKeys};
-use serde::Deserialize;
+use reading::values::{OrderedTable, Positive, is_default};
+use references::{ReferenceChoice, ReferenceTable};
+use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 use toml::de::{DeTable, DeValue};
 
 keys! {
-    struct SceneKeys {
+    /// A scene file.
+    #[derive(Default)]
+    struct SceneTable {
         /// version of the format, 1
         schema: Schema,
         /// lower-case letters, digits, `_` and `-`; names the output folder
         name: SceneName,
         /// one line for lists and reports
-        #[serde(default)]
+        #[serde(default, skip_serializing_if = "is_default")]
         title: String,
         /// purpose of the scene, several lines
-        #[serde(default)]
+        #[serde(default, skip_serializing_if = "is_default")]
         description: String,
         /// simulated time in seconds, for example 0.00025
         duration_s: Positive,
         /// reference that models are compared with: id of a stored one, as "calculix/case-a-fine", or { csv = "press.csv" }
         reference: Option<ReferenceChoice>,
         /// tables [[references]] of further ones, also at other speeds and loads
-        references: Option<Vec<ReferenceKeys>>,
+        references: Option<Vec<ReferenceTable>>,
         /// greatest error that is accurate enough, 0.05 or { metric, limit, against, except }
         tolerance: Option<study_plan::ToleranceChoice>,
         /// tables [gears.NAME]
-        gears: OrderedTable<gear::ToothedKeys>,
+        gears: OrderedTable<gear::ToothedTable>,
         /// tables [[meshes]]
-        meshes: Vec<mesh::MeshKeys>,
+        meshes: Vec<mesh::MeshTable>,
         /// tables [[shafts]]: shafts with several gears, or with gears and bodies without teeth
-        shafts: Option<Vec<shaft::ShaftKeys>>,
+        shafts: Option<Vec<shaft::ShaftTable>>,
         /// tables [[models]], the configurations to compare
-        models: Vec<model::ModelKeys>,
+        models: Vec<model::ModelTable>,
         /// tables [calibration.NAME.LABEL] of fitted constants, as `gearbench identify` writes them next to the scene
-        #[serde(default)]
+        #[serde(default, skip_serializing_if = "is_default")]
         calibration: calibration::Sets,
         /// table [study]
-        #[serde(default)]
-        study: study_plan::StudyKeys,
+        #[serde(default, skip_serializing_if = "is_default")]
+        study: study_plan::StudyTable,
     }
 }
 
@@ -121,9 +125,15 @@ keys! {
 pub const SCHEMA: u32 = 1;
 
 /// Version of the format of a file, which must equal [`SCHEMA`].
-#[derive(Clone, Debug, Deserialize)]
-#[serde(try_from = "u32")]
-struct Schema;
+#[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
+#[serde(try_from = "u32", into = "u32")]
+pub struct Schema;
+
+impl From<Schema> for u32 {
+    fn from(_: Schema) -> u32 {
+        SCHEMA
+    }
+}
 
 impl TryFrom<u32> for Schema {
     type Error = String;
@@ -136,9 +146,9 @@ impl TryFrom<u32> for Schema {
 }
 
 /// A name that is valid as name of a folder.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
 #[serde(try_from = "String")]
-struct SceneName(String);
+pub struct SceneName(pub String);
 
 impl TryFrom<String> for SceneName {
     type Error = String;
@@ -239,7 +249,7 @@ impl SceneFile {
         origin: Origin,
         calibrated: bool,
     ) -> Result<Self, SceneError> {
-        let (document, keys): (_, SceneKeys) =
+        let (document, keys): (_, SceneTable) =
             Document::read(name, text, |scene| known_words(scene, &context.models))?;
         let odd = typical_ranges::lengths(&document);
         let file = Self::from_keys(context, document, keys, origin, calibrated);
@@ -260,11 +270,11 @@ impl SceneFile {
     fn from_keys(
         context: &Context,
         document: Document,
-        keys: SceneKeys,
+        keys: SceneTable,
         origin: Origin,
         calibrated: bool,
     ) -> Result<Self, SceneError> {
-        let SceneKeys {
+        let SceneTable {
             schema: Schema,
             name: SceneName(name),
             ..
@@ -282,7 +292,7 @@ impl SceneFile {
             })
             .collect::<Result<Vec<_>, _>>()?;
         if drafts.is_empty() {
-            return Err(root.missing("gears", &SceneKeys::TABLE));
+            return Err(root.missing("gears", &SceneTable::TABLE));
         }
         let shafts = keys.shafts.unwrap_or_default();
         let shafts = shaft::shafts(shafts, &mut drafts, &root.key("shafts"))?;

@@ -1,60 +1,64 @@
 //! The list `[[models]]`: models that a study compares.
 
 use super::calibration_choice::{CalibrationChoice, CalibrationUse, FindCalibration, calibration};
-use super::contact::{ContactKeys, contact};
+use super::contact::{ContactTable, contact};
 use super::error::SceneError;
 use super::gear::GearDraft;
 use super::reading::keys::keys;
-use super::reading::values::{ModelId, OneOrMany, OrderedTable};
+use super::reading::values::{ModelId, OneOrMany, OrderedTable, is_default};
 use super::reading::{Place, suggest};
-use super::study_plan::{IntegratorKeys, schemes};
+use super::study_plan::{IntegratorTable, schemes};
 use gearbench_integrators::Scheme;
 use gearbench_models::gear::table::Model;
 use gearbench_models::spec::{ContactSpec, ModelSpec, Modelling, Parameters, Value};
 use gearbench_reports::record::Run;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 use std::path::Path;
 
 keys! {
-    pub(super) struct ModelKeys {
+    /// A model that a study compares.
+    #[derive(Default)]
+    struct ModelTable {
         /// name of this configuration in reports and on the command line, default the model's id
         label: Option<ModelLabel>,
         /// id of the gear model, for example "rigid"; `gearbench list` shows all
         model: ModelId,
         /// other models for single gears, for example { wheel = "rigid" }
-        #[serde(default)]
+        #[serde(default, skip_serializing_if = "is_default")]
         gears: OrderedTable<GearModelEntry>,
         /// { stiffness, exponent, damping, friction, slices }, or a list with one per mesh
-        contact: OneOrMany<ContactKeys>,
+        contact: OneOrMany<ContactTable>,
         /// parameters of the gear model, SI units in their names
-        #[serde(default)]
+        #[serde(default, skip_serializing_if = "is_default")]
         parameters: OrderedTable<ParameterValue>,
         /// gap at the start for this model [m], in place of the scene's
         gap_m: Option<f64>,
         /// integrators of this model, in place of the study's
-        integrators: Option<Vec<IntegratorKeys>>,
+        integrators: Option<Vec<IntegratorTable>>,
         /// time in seconds that others publish for such a model, for the timing table
         published_s: Option<f64>,
         /// true where that time is not printed there but follows from other published numbers
-        #[serde(default)]
+        #[serde(default, skip_serializing_if = "is_default")]
         published_derived: bool,
         /// "impact", "static" or "running", or { name, scene, label } for the calibration of another model or scene
         calibration: Option<CalibrationChoice>,
     }
 
-    pub(super) struct GearModelKeys {
+    /// The model of a single gear.
+    #[derive(Default)]
+    struct GearModelTable {
         /// id of the gear model
         model: ModelId,
         /// parameters of the gear model, SI units in their names
-        #[serde(default)]
+        #[serde(default, skip_serializing_if = "is_default")]
         parameters: OrderedTable<ParameterValue>,
     }
 }
 
 /// A label for legends and for `--models a,b`.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(try_from = "String")]
-struct ModelLabel(String);
+pub struct ModelLabel(pub String);
 
 impl TryFrom<String> for ModelLabel {
     type Error = String;
@@ -75,23 +79,29 @@ impl TryFrom<String> for ModelLabel {
 }
 
 /// Model of one gear.
-#[derive(Clone, Debug, Deserialize)]
-enum GearModelEntry {
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+pub enum GearModelEntry {
+    /// Another model with its default parameters.
     #[serde(rename = "<text>")]
     Id(ModelId),
+    /// A model with parameters of its own.
     #[serde(rename = "<table>")]
-    Own(GearModelKeys),
+    Own(GearModelTable),
 }
 
 /// Value of a parameter of a gear model.
-#[derive(Clone, Debug, Deserialize)]
-enum ParameterValue {
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+pub enum ParameterValue {
+    /// A number in SI units.
     #[serde(rename = "<number>")]
     Number(f64),
+    /// A word or a path.
     #[serde(rename = "<text>")]
     Text(String),
+    /// A list of numbers.
     #[serde(rename = "<list>")]
     List(Vec<f64>),
+    /// A truth value.
     #[serde(rename = "<flag>")]
     Flag(bool),
 }
@@ -150,7 +160,7 @@ pub(super) struct Context<'a> {
 
 /// Checks all models of a scene.
 pub(super) fn models(
-    list: Vec<ModelKeys>,
+    list: Vec<ModelTable>,
     context: &Context<'_>,
     all: &Place<'_>,
 ) -> Result<Vec<ModelChoice>, SceneError> {
@@ -173,7 +183,7 @@ pub(super) fn models(
 }
 
 fn model(
-    keys: ModelKeys,
+    keys: ModelTable,
     context: &Context<'_>,
     at: &Place<'_>,
 ) -> Result<ModelChoice, SceneError> {
@@ -294,7 +304,7 @@ fn parameters(
 }
 
 fn contacts(
-    keys: &OneOrMany<ContactKeys>,
+    keys: &OneOrMany<ContactTable>,
     meshes: usize,
     calibrated: bool,
     at: &Place<'_>,

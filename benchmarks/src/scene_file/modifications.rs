@@ -16,7 +16,7 @@ use super::references::located;
 use gearbench_models::geometry::{EndRelief, ReliefShape, Topography};
 use gearbench_reference::data::decode;
 use gearbench_reference::files;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -25,14 +25,16 @@ use std::sync::Arc;
 const MOST_BYTES: u64 = 64 << 20;
 
 keys! {
-    pub(super) struct EndReliefKeys {
+    /// Relief at the ends of the face.
+    struct EndReliefTable {
         /// at the lower end of the face, along the gear's axis: { amount_m, length_m, shape = "linear" or "parabolic" }
-        low: Option<EndKeys>,
+        low: Option<EndTable>,
         /// the same at the upper end
-        high: Option<EndKeys>,
+        high: Option<EndTable>,
     }
 
-    pub(super) struct EndKeys {
+    /// Relief at one end of the face.
+    struct EndTable {
         /// material removed at the end of the face, normal to the flank, in metres
         amount_m: f64,
         /// distance from the end at which the relief starts in metres
@@ -41,20 +43,22 @@ keys! {
         shape: Option<ReliefShape>,
     }
 
-    pub(super) struct SideKeys {
+    /// Values of the two sides of the teeth.
+    struct SideTable {
         /// of left (counter-clockwise) flanks in metres, default 0
         left: Option<f64>,
         /// of right flanks in metres, default 0
         right: Option<f64>,
     }
 
-    pub(super) struct TopographyKeys {
+    /// Measured flanks on a grid.
+    struct TopographyTable {
         /// material removed of left flanks: rows from root to tip, each from the lower to the upper end of the face, as a list of lists or a CSV file of numbers
-        left: Option<AmountKeys>,
+        left: Option<AmountTable>,
         /// the same of right flanks
-        right: Option<AmountKeys>,
+        right: Option<AmountTable>,
         /// the same of both sides
-        both: Option<AmountKeys>,
+        both: Option<AmountTable>,
         /// length of one unit of the amounts in metres, default 1; for micrometres 1e-6
         unit_m: Option<Positive>,
         /// radii of the first and the last row in metres; left out, form circle and tip
@@ -65,25 +69,30 @@ keys! {
 }
 
 /// One value for both sides of the teeth, or one for each.
-#[derive(Clone, Debug, Deserialize)]
-pub(super) enum PerSide {
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+pub enum PerSide {
+    /// One value for both sides [m].
     #[serde(rename = "<number>")]
     Both(f64),
+    /// Values by side.
     #[serde(rename = "<table>")]
-    Each(SideKeys),
+    Each(SideTable),
 }
 
-#[derive(Clone, Debug, Deserialize)]
-enum AmountKeys {
+/// Amounts of removed material on a grid.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+pub enum AmountTable {
+    /// Path of a CSV file.
     #[serde(rename = "<text>")]
     File(String),
+    /// Rows from root to tip.
     #[serde(rename = "<list>")]
     Rows(Vec<Vec<f64>>),
 }
 
 /// Reads the end reliefs at the lower and upper end of the face.
-pub(super) fn end_reliefs(keys: Option<&EndReliefKeys>) -> [Option<EndRelief>; 2] {
-    let of = |end: &EndKeys| EndRelief {
+pub(super) fn end_reliefs(keys: Option<&EndReliefTable>) -> [Option<EndRelief>; 2] {
+    let of = |end: &EndTable| EndRelief {
         amount: end.amount_m,
         length: end.length_m,
         shape: end.shape.unwrap_or(ReliefShape::Linear),
@@ -111,7 +120,7 @@ pub(super) struct MeasuredFlanks {
 
 /// Reads the topographies of a gear; paths are relative to `folder`.
 pub(super) fn topography(
-    keys: Option<&TopographyKeys>,
+    keys: Option<&TopographyTable>,
     folder: Option<&Path>,
     at: &Place<'_>,
 ) -> Result<MeasuredFlanks, SceneError> {
@@ -136,11 +145,11 @@ pub(super) fn topography(
         );
     }
     let unit = keys.unit_m.map_or(1.0, f64::from);
-    let mut read = |key: &str, amounts: &AmountKeys| {
+    let mut read = |key: &str, amounts: &AmountTable| {
         let place = at.key(key);
         let mut rows = match amounts {
-            AmountKeys::Rows(rows) => rows.clone(),
-            AmountKeys::File(file) => {
+            AmountTable::Rows(rows) => rows.clone(),
+            AmountTable::File(file) => {
                 let path = located(file, folder);
                 let rows = rows_of(&path, &place)?;
                 measured.files.push(path);

@@ -16,10 +16,12 @@ use gearbench_models::spec::{
     Bearing, Freedom, LARGEST_MISALIGNMENT, Load, OutOfPlaneSpec, Profile, SpinTerms,
 };
 use serde::de::{Deserialize, Deserializer, Error};
+use serde::{Serialize, Serializer};
 
 keys! {
+    /// Springs and dampers between a hub and the ground.
     #[derive(Default)]
-    pub(super) struct BearingKeys {
+    struct BearingTable {
         /// stiffness along x, y, z in N/m and of tilts about x, y, z in N m/rad, in the axes of the hub, for example [1e8, 1e8, 5e7, 1e5, 1e5, 0.0]
         stiffness: Option<[f64; 6]>,
         /// the same with all couplings, six rows of six
@@ -32,7 +34,8 @@ keys! {
         clearance_m: Option<NotNegative>,
     }
 
-    pub(super) struct DirectionKeys {
+    /// Freedom of the directions of a hub besides its own motion.
+    struct DirectionTable {
         /// along the first axis of the hub, x: "free", "held" or { driven = { speed_m_s = 0.001 } }; default "free" with a bearing, else "held"
         x: Option<Translation>,
         /// along its second axis, y
@@ -47,7 +50,8 @@ keys! {
         tilt_z: Option<Tilt>,
     }
 
-    pub(super) struct MisalignmentKeys {
+    /// A small tilt of the axis of a gear.
+    struct MisalignmentTable {
         /// tilt of the axis within the plane of action of left flanks of the gear's first mesh, in degrees; positive brings left flanks together at the upper end of the axis
         plane_of_action: Option<Degrees>,
         /// tilt across the plane of action in degrees
@@ -62,11 +66,14 @@ keys! {
 macro_rules! freedoms {
     ($($name:ident: $motion:ident;)*) => { $(
         /// Freedom of one out-of-plane direction of the hub: held, free or driven.
-        #[derive(Clone, Debug, serde::Deserialize)]
+        #[derive(Clone, Debug, PartialEq, serde::Deserialize, serde::Serialize)]
         #[serde(rename_all = "kebab-case")]
-        pub(super) enum $name {
+        pub enum $name {
+            /// The direction is held.
             Held,
+            /// The direction moves freely.
             Free,
+            /// The motion is prescribed.
             Driven($motion),
         }
 
@@ -92,8 +99,8 @@ freedoms! {
 }
 
 /// Position of a gear: `[x, y]`, or `[x, y, z]` [m].
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Position(pub(super) [f64; 3]);
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Position(pub [f64; 3]);
 
 impl<'de> Deserialize<'de> for Position {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
@@ -108,14 +115,13 @@ impl<'de> Deserialize<'de> for Position {
     }
 }
 
-/// Choice of the gyroscopic (spin) terms of a gear.
-#[derive(Clone, Copy, Debug, Default, serde::Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub(super) enum Spin {
-    #[default]
-    Auto,
-    On,
-    Off,
+impl Serialize for Position {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match self.0 {
+            [x, y, 0.0] => [x, y].serialize(serializer),
+            all => all.serialize(serializer),
+        }
+    }
 }
 
 /// Returns the axis of a gear with its misalignment; `line` is the direction of the line of action of left flanks
@@ -123,17 +129,17 @@ pub(super) enum Spin {
 pub(super) fn misaligned(
     axis: Vec3,
     line: Vec3,
-    keys: &MisalignmentKeys,
+    keys: &MisalignmentTable,
     at: &Place<'_>,
 ) -> Result<Vec3, SceneError> {
     let turn = |about: Vec3, angle: f64| nalgebra::Rotation3::new(about.normalize() * angle);
-    let within = keys.plane_of_action.map_or(0.0, |a| a.0);
-    let across = keys.across.map_or(0.0, |a| a.0);
+    let within = keys.plane_of_action.map_or(0.0, Degrees::radians);
+    let across = keys.across.map_or(0.0, Degrees::radians);
     // A turn about z x n brings z towards n.
     let mut tilted = turn(axis.cross(&line), within) * turn(-line, across) * axis;
     match (keys.about, keys.angle) {
         (Some(about), Some(angle)) if Vec3::from(about).norm() > 0.0 => {
-            tilted = turn(Vec3::from(about), angle.0) * tilted;
+            tilted = turn(Vec3::from(about), angle.radians()) * tilted;
         }
         (None, None) => {}
         (about, _) => {
@@ -161,14 +167,14 @@ pub(super) fn misaligned(
 }
 
 /// Out-of-plane keys of a gear: bearing, freedoms, mass and inertia.
-pub(super) struct OutOfPlaneKeys {
-    pub(super) bearing: Option<BearingKeys>,
-    pub(super) directions: Option<DirectionKeys>,
+pub(super) struct OutOfPlaneTable {
+    pub(super) bearing: Option<BearingTable>,
+    pub(super) directions: Option<DirectionTable>,
     pub(super) mass: Option<Positive>,
     pub(super) added_mass: Option<NotNegative>,
     pub(super) inertia: Option<[[f64; 3]; 3]>,
     pub(super) centre_of_mass: Option<[f64; 3]>,
-    pub(super) spin: Option<Spin>,
+    pub(super) spin: Option<SpinTerms>,
 }
 
 /// Reads a matrix from six diagonal values or from all values.
@@ -196,7 +202,7 @@ fn matrix(
 
 /// Reads the out-of-plane motion of a hub; `None` if its mount fixes all directions but its own motion (index `own`).
 pub(super) fn out_of_plane(
-    keys: OutOfPlaneKeys,
+    keys: OutOfPlaneTable,
     own: usize,
     at: &Place<'_>,
 ) -> Result<Option<Box<OutOfPlaneSpec>>, SceneError> {
@@ -224,11 +230,7 @@ pub(super) fn out_of_plane(
             .inertia
             .map(|rows| nalgebra::Matrix3::from_fn(|i, j| rows[i][j])),
         centre_of_mass: keys.centre_of_mass.map_or(Vec3::zeros(), Vec3::from),
-        spin: match keys.spin.unwrap_or_default() {
-            Spin::Auto => SpinTerms::Auto,
-            Spin::On => SpinTerms::On,
-            Spin::Off => SpinTerms::Off,
-        },
+        spin: keys.spin.unwrap_or_default(),
         ..OutOfPlaneSpec::default()
     };
     if let Some(b) = &keys.bearing {

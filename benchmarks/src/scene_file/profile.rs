@@ -12,21 +12,23 @@
 //! A rack takes forces [N] and speeds [m/s] instead.
 
 use super::reading::keys::{Table, keys};
-use super::reading::values::{Degrees, NotNegative, Positive};
+use super::reading::values::{Degrees, NotNegative, Positive, is_default};
 use gearbench_models::law::{DryFriction, FrictionForm};
 use gearbench_models::spec::{Guide, Load, Mount, Profile};
+use serde::Serializer;
 use serde::de::{Deserialize, Deserializer, Error};
-use std::marker::PhantomData;
 
-/// A profile over ascending times, read from a table of keys.
-#[derive(Clone, Debug)]
-pub(super) struct CheckedProfile<K>(Profile, PhantomData<K>);
+/// The keys of a profile that is found possible while it is read: its times ascend.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+#[serde(transparent)]
+pub struct CheckedProfile<K>(pub K);
 
-impl<'de, K: Deserialize<'de> + Into<Profile>> Deserialize<'de> for CheckedProfile<K> {
+impl<'de, K: Deserialize<'de> + Clone + Into<Profile>> Deserialize<'de> for CheckedProfile<K> {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let profile = K::deserialize(deserializer)?.into();
+        let keys = K::deserialize(deserializer)?;
+        let profile: Profile = keys.clone().into();
         match profile.problem() {
-            None => Ok(CheckedProfile(profile, PhantomData)),
+            None => Ok(CheckedProfile(keys)),
             Some(problem) => Err(D::Error::custom(problem)),
         }
     }
@@ -37,7 +39,8 @@ macro_rules! profiles {
     ($($choice:ident: $value:ident, $from:ident, $to:ident, $mean:ident, $amplitude:ident $(, $viscous:ident)?; $ramp:ident, $table:ident, $harmonic:ident;)*) => {
         $(
             keys! {
-                pub(super) struct $ramp {
+                /// A linear change between two times.
+                struct $ramp {
                     /// value before the ramp
                     $from: f64,
                     /// value after the ramp
@@ -48,16 +51,18 @@ macro_rules! profiles {
                     end_s: f64,
                 }
 
-                pub(super) struct $table {
+                /// Values over time.
+                struct $table {
                     /// list of ascending times in seconds
                     time_s: Vec<f64>,
                     /// list of values, one per time
                     $value: Vec<f64>,
                 }
 
-                pub(super) struct $harmonic {
+                /// A cosine about a mean.
+                struct $harmonic {
                     /// mean value, default 0
-                    #[serde(default)]
+                    #[serde(default, skip_serializing_if = "is_default")]
                     $mean: f64,
                     /// amplitude, half of peak to peak
                     $amplitude: f64,
@@ -74,7 +79,7 @@ macro_rules! profiles {
                         mean: keys.$mean,
                         amplitude: keys.$amplitude,
                         frequency: keys.frequency_hz.0,
-                        phase: keys.phase_deg.map_or(0.0, |p| p.0),
+                        phase: keys.phase_deg.map_or(0.0, Degrees::radians),
                     }
                 }
             }
@@ -100,23 +105,30 @@ macro_rules! profiles {
             }
 
             /// Function of time; its variants are keys of the file.
-            #[derive(Clone, Debug, serde::Deserialize)]
+            #[derive(Clone, Debug, PartialEq, serde::Deserialize, serde::Serialize)]
             #[allow(non_camel_case_types)]
-            pub(super) enum $choice {
+            pub enum $choice {
+                /// A constant.
                 $value(f64),
+                /// A linear change between two times.
                 ramp(CheckedProfile<$ramp>),
+                /// Values over time.
                 table(CheckedProfile<$table>),
+                /// A cosine about a mean.
                 harmonic(CheckedProfile<$harmonic>),
-                $($viscous(NotNegative),)?
+                $(
+                /// A viscous coefficient.
+                $viscous(NotNegative),
+                )?
             }
 
             impl From<$choice> for Load {
                 fn from(choice: $choice) -> Self {
                     match choice {
                         $choice::$value(x) => Load::Applied(Profile::Constant(x)),
-                        $choice::ramp(ramp) => Load::Applied(ramp.0),
-                        $choice::table(table) => Load::Applied(table.0),
-                        $choice::harmonic(harmonic) => Load::Applied(harmonic.0),
+                        $choice::ramp(ramp) => Load::Applied(ramp.0.into()),
+                        $choice::table(table) => Load::Applied(table.0.into()),
+                        $choice::harmonic(harmonic) => Load::Applied(harmonic.0.into()),
                         $($choice::$viscous(c) => Load::Viscous(c.0),)?
                     }
                 }
@@ -135,16 +147,33 @@ profiles! {
     Sliding: speed_m_s, from_m_s, to_m_s, mean_m_s, amplitude_m_s; SlidingRamp, SlidingTable, SlidingHarmonic;
 }
 
-/// A guide of a hub, read from a table of keys.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Checks<K>(Guide, PhantomData<K>);
+/// The keys of a guide, and the guide that they give.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CheckedGuide<K>(K, Guide);
 
-impl<'de, K: Deserialize<'de> + TryInto<Guide, Error = String>> Deserialize<'de> for Checks<K> {
+impl<K: Clone + TryInto<Guide, Error = String>> CheckedGuide<K> {
+    /// Checks the keys of a guide.
+    ///
+    /// # Errors
+    /// A guide without effect, or friction without a regularisation.
+    pub fn new(keys: K) -> Result<Self, String> {
+        let guide = keys.clone().try_into()?;
+        Ok(CheckedGuide(keys, guide))
+    }
+}
+
+impl<'de, K> Deserialize<'de> for CheckedGuide<K>
+where
+    K: Deserialize<'de> + Clone + TryInto<Guide, Error = String>,
+{
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let guide = K::deserialize(deserializer)?.try_into();
-        guide
-            .map(|g| Checks(g, PhantomData))
-            .map_err(D::Error::custom)
+        CheckedGuide::new(K::deserialize(deserializer)?).map_err(D::Error::custom)
+    }
+}
+
+impl<K: serde::Serialize> serde::Serialize for CheckedGuide<K> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        self.0.serialize(serializer)
     }
 }
 
@@ -175,7 +204,8 @@ fn dry(
 macro_rules! guides {
     ($($name:ident: $stiffness:ident, $damping:ident, $friction:ident, $stick:ident, $v_ref:ident;)*) => { $(
         keys! {
-            pub(super) struct $name {
+            /// A spring, a damper and friction between a hub and the ground.
+            struct $name {
                 /// spring to the ground, without force at the start, default 0
                 $stiffness: Option<NotNegative>,
                 /// damper to the ground, default 0
@@ -221,14 +251,18 @@ guides! {
 macro_rules! mounts {
     ($($name:ident: $free:ident, $motion:ident, $guide:ident;)*) => { $(
         /// Mount of a hub.
-        #[derive(Clone, Debug, Default, serde::Deserialize)]
+        #[derive(Clone, Debug, Default, PartialEq, serde::Deserialize, serde::Serialize)]
         #[serde(rename_all = "kebab-case")]
-        pub(super) enum $name {
+        pub enum $name {
+            /// The hub moves freely in its own direction.
             #[default]
             $free,
+            /// The hub is held.
             Fixed,
+            /// The motion of the hub is prescribed.
             Driven($motion),
-            Guided(Checks<$guide>),
+            /// The hub is free and has a spring, damper or friction to the ground.
+            Guided(CheckedGuide<$guide>),
         }
 
         impl $name {
@@ -237,7 +271,7 @@ macro_rules! mounts {
                 match self {
                     $name::$free => (Mount::$free, None),
                     $name::Fixed => (Mount::Fixed, None),
-                    $name::Guided(guide) => (Mount::$free, Some(guide.0)),
+                    $name::Guided(guide) => (Mount::$free, Some(guide.1)),
                     // A motion has no viscous coefficient.
                     $name::Driven(motion) => match motion.into() {
                         Load::Applied(profile) => (Mount::Driven(profile), None),

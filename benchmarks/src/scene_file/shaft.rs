@@ -14,24 +14,26 @@
 use super::error::SceneError;
 use super::gear::{GearDraft, initial_speed};
 use super::material::{MaterialChoice, material};
-use super::out_of_plane::{BearingKeys, DirectionKeys, OutOfPlaneKeys, Spin, out_of_plane};
+use super::out_of_plane::{BearingTable, DirectionTable, OutOfPlaneTable, out_of_plane};
 use super::profile::{GearLoad, GearMount};
 use super::reading::Place;
 use super::reading::keys::keys;
-use super::reading::values::{Count, GearName, NotNegative, Positive};
+use super::reading::values::{Count, GearName, NotNegative, Positive, is_default};
 use gearbench_models::spec::{
-    BodySpec, Load, Mount, SceneSpec, Section, SectionKind, ShaftDamping, ShaftSpec, Station,
-    StationMember, initial_speed as speed_at_start, signed_effective_radius,
+    BodySpec, Load, Mount, SceneSpec, Section, SectionKind, ShaftDamping, ShaftSpec, SpinTerms,
+    Station, StationMember, initial_speed as speed_at_start, signed_effective_radius,
 };
 
 keys! {
-    pub(super) struct ShaftKeys {
+    /// A shaft with its gears and bodies.
+    #[derive(Default)]
+    struct ShaftTable {
         /// name of the shaft, for example "input"
         name: String,
         /// gears and bodies on it from one end to the other: { gear = "pinion", at_m = 0.2 } and { body = "motor", at_m = 0.0, inertia_kgm2 = 0.01 }
-        carries: Vec<StationKeys>,
+        carries: Vec<StationTable>,
         /// list of { length_m, diameter_m } from the place 0 on; left out, the shaft is rigid
-        sections: Option<Vec<SectionKeys>>,
+        sections: Option<Vec<SectionTable>>,
         /// damping ratio at the lowest frequencies of the shaft with its gears and bodies, default 0
         damping_ratio: Option<NotNegative>,
         /// damping over stiffness in seconds, in place of a ratio
@@ -40,7 +42,9 @@ keys! {
         speed_rad_s: Option<f64>,
     }
 
-    pub(super) struct StationKeys {
+    /// A gear or a body on a shaft.
+    #[derive(Default)]
+    struct StationTable {
         /// name of a gear
         gear: Option<GearName>,
         /// name of a body without teeth, which this introduces
@@ -56,9 +60,9 @@ keys! {
         /// list of loads on the body, for example [{ torque_nm = 10.0 }]
         loads: Option<Vec<GearLoad>>,
         /// springs and dampers to the ground, for example { stiffness = [1e8, 1e8, 5e7, 0.0, 0.0, 0.0] }; the shaft then bends
-        bearing: Option<BearingKeys>,
+        bearing: Option<BearingTable>,
         /// directions of the body that are held or driven, for example { z = "held" }; the others are free
-        directions: Option<DirectionKeys>,
+        directions: Option<DirectionTable>,
         /// mass of the body in kg, where the shaft bends, default 0
         mass_kg: Option<Positive>,
         /// its inertia tensor in kg m^2, three rows of three; left out, that of a thin disc
@@ -66,12 +70,14 @@ keys! {
         /// its centre of mass from the axis in metres, default [0, 0, 0]
         centre_of_mass_m: Option<[f64; 3]>,
         /// "auto" (default), "on" or "off"
-        spin_terms: Option<Spin>,
+        spin_terms: Option<SpinTerms>,
         /// of a body: names of the gears whose axes go round with it, which makes it a planet carrier
         planets: Option<Vec<GearName>>,
     }
 
-    pub(super) struct SectionKeys {
+    /// A section of an elastic shaft.
+    #[derive(Default)]
+    struct SectionTable {
         /// length in metres
         length_m: Positive,
         /// outer diameter in metres
@@ -79,7 +85,7 @@ keys! {
         /// inner diameter in metres, default 0
         inner_diameter_m: Option<NotNegative>,
         /// "steel" (default), "steel-iso6336", or { young_pa, poisson, density_kg_m3 }
-        #[serde(default)]
+        #[serde(default, skip_serializing_if = "is_default")]
         material: MaterialChoice,
         /// beam elements, default 1
         divisions: Option<Count<1, 200>>,
@@ -93,7 +99,7 @@ pub(super) type ShaftGears = Vec<(usize, f64)>;
 
 /// Checks all shafts; sets the speeds of gears that have none.
 pub(super) fn shafts(
-    list: Vec<ShaftKeys>,
+    list: Vec<ShaftTable>,
     gears: &mut [GearDraft],
     all: &Place<'_>,
 ) -> Result<Vec<ShaftSpec>, SceneError> {
@@ -140,7 +146,7 @@ pub(super) fn place_by_shaft(
 }
 
 fn shaft(
-    keys: ShaftKeys,
+    keys: ShaftTable,
     gears: &mut [GearDraft],
     at: &Place<'_>,
 ) -> Result<ShaftSpec, SceneError> {
@@ -176,7 +182,7 @@ fn shaft(
 }
 
 fn carried(
-    keys: StationKeys,
+    keys: StationTable,
     speed: Option<f64>,
     gears: &mut [GearDraft],
     at: &Place<'_>,
@@ -246,7 +252,7 @@ fn carried(
         || keys.centre_of_mass_m.is_some()
         || keys.spin_terms.is_some();
     let lateral = if sideways {
-        let keys = OutOfPlaneKeys {
+        let keys = OutOfPlaneTable {
             // Directions without a bearing are free.
             bearing: Some(keys.bearing.unwrap_or_default()),
             directions: keys.directions,
@@ -311,7 +317,7 @@ pub(super) fn roll_planets(spec: &mut SceneSpec, gears: &Place<'_>) {
     }
 }
 
-fn section(keys: SectionKeys, at: &Place<'_>) -> Result<Section, SceneError> {
+fn section(keys: SectionTable, at: &Place<'_>) -> Result<Section, SceneError> {
     let kind = match (keys.diameter_m, keys.stiffness_nm_per_rad) {
         (Some(outer), None) => SectionKind::Round {
             diameters: [outer.0, keys.inner_diameter_m.map_or(0.0, f64::from)],

@@ -3,126 +3,152 @@
 use super::error::SceneError;
 use super::reading::Place;
 use super::reading::keys::keys;
-use super::reading::values::Positive;
+use super::reading::values::{Positive, is_default};
 use gearbench_models::stiffness::{
     Ends, Foundation, Hertz, Interpolation, IsoVariation, PairOrMesh, PairStiffness, RootLength,
     ToothModel,
 };
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
-#[derive(Clone, Debug, Deserialize)]
+/// Stiffness of tooth pairs along the path of contact; the tag is `kind`.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(rename = "<kind>", rename_all = "kebab-case")]
-pub(super) enum StiffnessKeys {
-    Constant(ConstantKeys),
-    Parabola(ParabolaKeys),
-    Iso6336(IsoKeys),
-    Compliance(ComplianceKeys),
-    Table(TableKeys),
+pub enum StiffnessTable {
+    /// A constant.
+    Constant(ConstantTable),
+    /// A parabola over the path.
+    Parabola(ParabolaTable),
+    /// The single stiffness of ISO 6336-1.
+    Iso6336(IsoTable),
+    /// Compliances of tooth, foundation and Hertzian contact.
+    Compliance(ComplianceTable),
+    /// Values over the path coordinate.
+    Table(TabulatedTable),
 }
 
 keys! {
-    pub(super) struct ConstantKeys {
+    /// A constant stiffness.
+    struct ConstantTable {
         /// stiffness per face width in N/m per m; 14 N/(mm um) is 1.4e10
         stiffness_n_per_m2: Positive,
         /// "pair" (default): one spring per tooth pair; "mesh": one for the mesh
-        #[serde(default)]
+        #[serde(default, skip_serializing_if = "is_default")]
         of: PairOrMesh,
     }
 
-    pub(super) struct ParabolaKeys {
+    /// A stiffness that is a parabola over the path of contact.
+    struct ParabolaTable {
         /// stiffness per face width in the middle of the path in N/m per m
         stiffness_n_per_m2: Positive,
         /// a of 1 + a xi + b xi^2, with xi from -1 where contact starts to 1 where it ends; default 0
-        #[serde(default)]
+        #[serde(default, skip_serializing_if = "is_default")]
         path_slope: f64,
         /// b of it, default 0
-        #[serde(default)]
+        #[serde(default, skip_serializing_if = "is_default")]
         path_curvature: f64,
         /// "pair" (default): one spring per tooth pair; "mesh": one for the mesh
-        #[serde(default)]
+        #[serde(default, skip_serializing_if = "is_default")]
         of: PairOrMesh,
     }
 
-    pub(super) struct IsoKeys {
+    /// The stiffness of ISO 6336-1.
+    #[derive(Default)]
+    struct IsoTable {
         /// along the path: "iso-mean" (default), "cai-hayashi" or "constant"
-        #[serde(default)]
+        #[serde(default, skip_serializing_if = "is_default")]
         variation: IsoVariation,
     }
 
-    pub(super) struct ComplianceKeys {
+    /// A stiffness from the compliances of tooth, foundation and contact.
+    struct ComplianceTable {
         /// "weber-banaschek" (default), "cornell" or "energy"
         tooth: Option<ToothModel>,
         /// "ring" (default), "sainsot-velex", "weber-banaschek", "cornell" or "rigid"
-        #[serde(default)]
+        #[serde(default, skip_serializing_if = "is_default")]
         foundation: FoundationWord,
         /// S of Sainsot and Velex: "2 rf theta" (default), "2 rf sin theta" or "2 rb theta"
         root_length: Option<RootLength>,
         /// "weber-banaschek" (default), "log", "linear" or "rigid"
-        #[serde(default)]
+        #[serde(default, skip_serializing_if = "is_default")]
         hertz: HertzWord,
         /// load of a tooth pair in newton at which "weber-banaschek" and "log" are taken; 100 N per mm of face width when left out
         reference_load_n: Option<Positive>,
     }
 
-    pub(super) struct TableKeys {
+    /// A stiffness by its values over the path coordinate.
+    struct TabulatedTable {
         /// list of path coordinates in metres, ascending
         path_coordinate_m: Vec<f64>,
         /// list of stiffnesses in N/m for the whole face width
         stiffness_n_per_m: Vec<f64>,
         /// "pair" (default): one spring per tooth pair; "mesh": one for the mesh
-        #[serde(default)]
+        #[serde(default, skip_serializing_if = "is_default")]
         of: PairOrMesh,
         /// outside the table: "clamped" (default) or "periodic"
-        #[serde(default)]
+        #[serde(default, skip_serializing_if = "is_default")]
         ends: Ends,
         /// "cubic" (default) or "linear"
-        #[serde(default)]
+        #[serde(default, skip_serializing_if = "is_default")]
         interpolation: Interpolation,
     }
 }
 
-#[derive(Clone, Copy, Debug, Default, Deserialize)]
+/// Compliance of the tooth foundation.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize)]
 #[serde(rename_all = "kebab-case")]
-enum FoundationWord {
+pub enum FoundationWord {
+    /// A ring on a fixed bore.
     #[default]
     Ring,
+    /// The formula of Sainsot and Velex.
     SainsotVelex,
+    /// The formula of Weber and Banaschek.
     WeberBanaschek,
+    /// The formula of Cornell.
     Cornell,
+    /// No compliance.
     Rigid,
 }
 
-#[derive(Clone, Copy, Debug, Default, Deserialize)]
+/// Compliance of the Hertzian contact.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize)]
 #[serde(rename_all = "kebab-case")]
-enum HertzWord {
+pub enum HertzWord {
+    /// A constant.
     Linear,
+    /// The logarithmic formula for a line contact.
     Log,
+    /// The formula of Weber and Banaschek.
     #[default]
     WeberBanaschek,
+    /// No compliance.
     Rigid,
 }
 
 /// Reads the stiffness of a contact.
-pub(super) fn stiffness(keys: &StiffnessKeys, at: &Place<'_>) -> Result<PairStiffness, SceneError> {
+pub(super) fn stiffness(
+    keys: &StiffnessTable,
+    at: &Place<'_>,
+) -> Result<PairStiffness, SceneError> {
     Ok(match keys {
-        StiffnessKeys::Constant(keys) => PairStiffness::Constant {
+        StiffnessTable::Constant(keys) => PairStiffness::Constant {
             per_width: keys.stiffness_n_per_m2.0,
             of: keys.of,
         },
-        StiffnessKeys::Parabola(keys) => PairStiffness::Parabola {
+        StiffnessTable::Parabola(keys) => PairStiffness::Parabola {
             per_width: keys.stiffness_n_per_m2.0,
             along: [keys.path_slope, keys.path_curvature],
             of: keys.of,
         },
-        StiffnessKeys::Iso6336(keys) => PairStiffness::Iso6336 {
+        StiffnessTable::Iso6336(keys) => PairStiffness::Iso6336 {
             variation: keys.variation,
         },
-        StiffnessKeys::Compliance(keys) => PairStiffness::Compliance {
+        StiffnessTable::Compliance(keys) => PairStiffness::Compliance {
             tooth: keys.tooth.unwrap_or(ToothModel::WeberBanaschek),
             foundation: foundation(keys, at)?,
             hertz: hertz(keys, at)?,
         },
-        StiffnessKeys::Table(keys) => PairStiffness::Table {
+        StiffnessTable::Table(keys) => PairStiffness::Table {
             s: keys.path_coordinate_m.clone(),
             k: keys.stiffness_n_per_m.clone(),
             of: keys.of,
@@ -132,7 +158,7 @@ pub(super) fn stiffness(keys: &StiffnessKeys, at: &Place<'_>) -> Result<PairStif
     })
 }
 
-fn foundation(keys: &ComplianceKeys, at: &Place<'_>) -> Result<Foundation, SceneError> {
+fn foundation(keys: &ComplianceTable, at: &Place<'_>) -> Result<Foundation, SceneError> {
     let foundation = match keys.foundation {
         FoundationWord::Ring => Foundation::Ring,
         FoundationWord::SainsotVelex => {
@@ -157,7 +183,7 @@ fn foundation(keys: &ComplianceKeys, at: &Place<'_>) -> Result<Foundation, Scene
     }
 }
 
-fn hertz(keys: &ComplianceKeys, at: &Place<'_>) -> Result<Hertz, SceneError> {
+fn hertz(keys: &ComplianceTable, at: &Place<'_>) -> Result<Hertz, SceneError> {
     let reference_load = keys.reference_load_n.map(f64::from);
     Ok(match (keys.hertz, reference_load) {
         (HertzWord::Log, _) => Hertz::Log { reference_load },

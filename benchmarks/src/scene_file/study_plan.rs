@@ -7,12 +7,12 @@ use super::reading::Place;
 use super::reading::keys::keys;
 use super::reading::suggest::there_are;
 use super::reading::values::{
-    Count, Distinct, Label, Method, MetricKey, OneOrMany, Positive, Share,
+    Count, Distinct, Label, Method, MetricKey, OneOrMany, Positive, Share, is_default,
 };
 use super::references::NamedReference;
 use crate::studies::compare::REFINED;
-use crate::studies::precision::scene::{Precision, PrecisionKeys};
-use crate::studies::stability::scene::{StabilityKeys, StabilitySet};
+use crate::studies::precision::scene::{Precision, PrecisionTable};
+use crate::studies::stability::scene::{StabilitySet, StabilityTable};
 use crate::studies::sweep::scene::Sweep;
 use gearbench_integrators::SecondOrderSystem as _;
 use gearbench_integrators::modal::resonance::safe_step;
@@ -23,15 +23,16 @@ use gearbench_models::scene::Scene;
 use gearbench_models::spec::{Body, GearSpec};
 use gearbench_reports::Metric;
 use gearbench_reports::record::{SELF, Tolerance};
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 keys! {
+    /// The table `[study]`: defaults of studies.
     #[derive(Default)]
-    pub(super) struct StudyKeys {
+    struct StudyTable {
         /// labels to compare, default all models of the scene
         models: Option<Distinct<Label>>,
         /// list such as [{ method = "dopri5", rtol = 1e-6 }, { method = "rk4", step_s = 1e-6 }], default those of the model
-        pub(super) integrators: Option<Vec<IntegratorKeys>>,
+        integrators: Option<Vec<IntegratorTable>>,
         /// locate contact events, default true
         events: Option<bool>,
         /// samples of the histories over the duration, default 2000, which are enough for a chart
@@ -45,17 +46,18 @@ keys! {
         /// where the times `published_s` of the models were published
         published: Option<String>,
         /// speeds of `gearbench sweep`: { from_hz, to_hz, points, cycles, turns, settle_s, branches }
-        #[serde(default)]
+        #[serde(default, skip_serializing_if = "is_default")]
         sweep: Sweep,
         /// maps of `gearbench stability`, one set or a list: { models, integrators, duration_s, step_s, axes }
-        stability: Option<OneOrMany<StabilityKeys>>,
+        stability: Option<OneOrMany<StabilityTable>>,
         /// defaults of `gearbench precision`: { models, integrators, modes, factors, steps_s, rtols, metrics,
         /// duration_s }
-        #[serde(default)]
-        precision: PrecisionKeys,
+        #[serde(default, skip_serializing_if = "is_default")]
+        precision: PrecisionTable,
     }
 
-    pub(crate) struct IntegratorKeys {
+    /// An integrator with its step or tolerance.
+    struct IntegratorTable {
         /// id or id(name=value), for example "generalised-alpha(rho_inf=0.8)"
         method: Method,
         /// fixed step in seconds, for example 1e-6
@@ -64,7 +66,8 @@ keys! {
         rtol: Option<Share>,
     }
 
-    pub(super) struct ToleranceKeys {
+    /// The accuracy that a scene requires.
+    struct ToleranceTable {
         /// metric that is limited, default "force_l2_aligned", against "self" "force_l1"
         metric: Option<MetricKey>,
         /// greatest magnitude that is accurate enough, for example 0.05
@@ -79,12 +82,14 @@ keys! {
 }
 
 /// A limit of the default metric, or metric, limit and reference.
-#[derive(Clone, Debug, Deserialize)]
-pub(super) enum ToleranceChoice {
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+pub enum ToleranceChoice {
+    /// The limit of the default metric.
     #[serde(rename = "<number>")]
     Limit(Positive),
+    /// Metric, limit and reference.
     #[serde(rename = "<table>")]
-    Full(ToleranceKeys),
+    Full(ToleranceTable),
 }
 
 /// Default number of samples of the histories.
@@ -126,7 +131,11 @@ pub struct Study {
 }
 
 /// Checks `[study]`; `labels` are those of the models.
-pub(super) fn study(keys: StudyKeys, labels: &[&str], at: &Place<'_>) -> Result<Study, SceneError> {
+pub(super) fn study(
+    keys: StudyTable,
+    labels: &[&str],
+    at: &Place<'_>,
+) -> Result<Study, SceneError> {
     let integrators = (keys.integrators).map(|list| schemes(&list, &at.key("integrators")));
     let all = || labels.iter().map(|l| (*l).to_owned()).collect();
     keys.sweep.check(&at.key("sweep"))?;
@@ -212,14 +221,14 @@ fn crossing(gear: &GearSpec) -> f64 {
 }
 
 /// Reads integrators with their steps or tolerances.
-pub(crate) fn schemes(list: &[IntegratorKeys], at: &Place<'_>) -> Result<Vec<Scheme>, SceneError> {
+pub(crate) fn schemes(list: &[IntegratorTable], at: &Place<'_>) -> Result<Vec<Scheme>, SceneError> {
     let schemes = list.iter().enumerate();
     schemes
         .map(|(i, keys)| scheme(keys, &at.member(i)))
         .collect()
 }
 
-fn scheme(keys: &IntegratorKeys, at: &Place<'_>) -> Result<Scheme, SceneError> {
+fn scheme(keys: &IntegratorTable, at: &Place<'_>) -> Result<Scheme, SceneError> {
     let method = keys.method.0;
     let id = method.id();
     let resolution = match (keys.step_s, keys.rtol, method.info().stepping) {
@@ -250,7 +259,7 @@ fn scheme(keys: &IntegratorKeys, at: &Place<'_>) -> Result<Scheme, SceneError> {
         (None, None, stepping) => {
             let fixed = stepping == Stepping::Fixed;
             let key = if fixed { "step_s" } else { "rtol" };
-            return Err(at.missing(key, &IntegratorKeys::TABLE));
+            return Err(at.missing(key, &IntegratorTable::TABLE));
         }
     };
     Ok(Scheme { method, resolution })

@@ -91,7 +91,9 @@ pub fn along_profile(n: &Vec3) -> Vec3 {
 /// Flank of a tooth, seen along -z: the counter-clockwise or the clockwise one. For contact and for [grids of
 /// nodes](FlankGrid) it is the side seen from the root of the tooth, which differs on internal gears only
 /// ([`Gear::side_from_root`]).
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, serde::Deserialize)]
+#[derive(
+    Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, serde::Deserialize, serde::Serialize,
+)]
 #[serde(rename_all = "kebab-case")]
 pub enum Side {
     /// The counter-clockwise flank; it drives when a gear turns counter-clockwise.

@@ -24,7 +24,7 @@ use super::quantity::Quantity;
 use super::topography::Topography;
 
 /// Shape of a relief from its start to the tip or the end of the face.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Deserialize, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ReliefShape {
     /// The relief grows in proportion to the length of roll, or the distance.

@@ -14,6 +14,7 @@ use super::profile::Profile;
 use crate::Vec3;
 use crate::law::DryFriction;
 use nalgebra::Matrix3;
+use serde::{Deserialize, Serialize};
 
 /// Freedom of a hub along its own motion.
 #[derive(Clone, Debug, PartialEq)]
@@ -80,7 +81,8 @@ pub fn turned_to(axes: &[Vec3; 3], third: &Vec3) -> [Vec3; 3] {
 }
 
 /// Selection of the gyroscopic, centrifugal and Coriolis terms of a body.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum SpinTerms {
     /// The terms are included where they change results by more than a thousandth, from the ratio of the hub speed to
     /// the lowest natural frequency of its tilt.

@@ -1,13 +1,14 @@
 //! Conversion of the keys of a toothing to the parameters of the geometry.
 
 use super::super::modifications::{end_reliefs, per_side};
-use super::{GearKeys, RackKeys};
+use super::super::reading::values::Degrees;
+use super::{GearTable, RackTable};
 use gearbench_models::geometry::{
     Deviations, GearParams, Internal, Modifications, RackParams, ReliefShape, TipRelief, Topography,
 };
 use std::sync::Arc;
 
-impl GearKeys {
+impl GearTable {
     pub(super) fn params(
         &self,
         deviations: Deviations,
@@ -25,13 +26,14 @@ impl GearKeys {
         GearParams {
             teeth: self.teeth,
             module: self.module_m,
-            pressure_angle: (self.pressure_angle_deg).map_or(default.pressure_angle, |a| a.0),
+            pressure_angle: (self.pressure_angle_deg)
+                .map_or(default.pressure_angle, Degrees::radians),
             profile_shift: self.profile_shift,
-            helix_angle: self.helix_angle_deg.map_or(0.0, |a| a.0),
-            profile_shift_angle: self.profile_shift_angle_deg.map_or(0.0, |a| a.0),
+            helix_angle: self.helix_angle_deg.map_or(0.0, Degrees::radians),
+            profile_shift_angle: self.profile_shift_angle_deg.map_or(0.0, Degrees::radians),
             tip_cone_angle: (self.tip_cone_angle_deg)
                 .or(self.profile_shift_angle_deg)
-                .map_or(0.0, |a| a.0),
+                .map_or(0.0, Degrees::radians),
             face_width: self.face_width_m,
             addendum: self.addendum_factor.unwrap_or(default.addendum),
             dedendum: self.dedendum_factor.unwrap_or(default.dedendum),
@@ -63,20 +65,21 @@ impl GearKeys {
     }
 }
 
-impl RackKeys {
+impl RackTable {
     pub(super) fn params(&self) -> RackParams {
         let default = RackParams::default();
         RackParams {
             teeth: self.teeth,
             module: self.module_m,
-            pressure_angle: (self.pressure_angle_deg).map_or(default.pressure_angle, |a| a.0),
+            pressure_angle: (self.pressure_angle_deg)
+                .map_or(default.pressure_angle, Degrees::radians),
             face_width: self.face_width_m,
             addendum: self.addendum_factor.unwrap_or(default.addendum),
             dedendum: self.dedendum_factor.unwrap_or(default.dedendum),
             tip_radius: self.tip_radius_factor.unwrap_or(default.tip_radius),
             thinning: self.thinning_m,
             body_height: self.body_height_m.unwrap_or(1.5 * self.module_m),
-            helix_angle: self.helix_angle_deg.map_or(0.0, |a| a.0),
+            helix_angle: self.helix_angle_deg.map_or(0.0, Degrees::radians),
         }
     }
 }

@@ -6,7 +6,7 @@ use std::fmt::{self, Display};
 
 /// An error in a value of the file.
 #[derive(Debug)]
-pub(super) enum Flaw {
+pub enum Flaw {
     /// An error that has its place already.
     Placed(SceneError),
     /// A key that the table does not know.

@@ -1,6 +1,6 @@
 //! Tables of keys of the scene format.
 
-use super::super::SceneKeys;
+use super::super::SceneTable;
 use super::super::{
     calibration_choice, contact, contact_points, deviations, gear, material, mesh, model,
     modifications, out_of_plane, profile, references, shaft, stiffness, study_plan,
@@ -27,56 +27,56 @@ impl Table {
 /// Iterates over all tables of the format.
 pub(crate) fn tables() -> impl Iterator<Item = &'static Table> {
     [
-        &SceneKeys::TABLE,
-        &gear::GearKeys::TABLE,
-        &gear::RackKeys::TABLE,
-        &gear::ReliefKeys::TABLE,
-        &out_of_plane::BearingKeys::TABLE,
-        &out_of_plane::DirectionKeys::TABLE,
-        &out_of_plane::MisalignmentKeys::TABLE,
-        &modifications::EndReliefKeys::TABLE,
-        &modifications::EndKeys::TABLE,
-        &modifications::SideKeys::TABLE,
-        &modifications::TopographyKeys::TABLE,
-        &deviations::DeviationKeys::TABLE,
-        &deviations::FlankKeys::TABLE,
-        &material::MaterialKeys::TABLE,
-        &mesh::MeshKeys::TABLE,
-        &mesh::StartKeys::TABLE,
-        &shaft::ShaftKeys::TABLE,
-        &shaft::StationKeys::TABLE,
-        &shaft::SectionKeys::TABLE,
-        &model::ModelKeys::TABLE,
-        &model::GearModelKeys::TABLE,
-        &references::ReferenceKeys::TABLE,
-        &references::columns::ColumnKeys::TABLE,
-        &references::columns::UnitKeys::TABLE,
-        &references::conditions::GearConditionKeys::TABLE,
-        &calibration_choice::CalibrationKeys::TABLE,
-        &contact::ContactKeys::TABLE,
-        &contact_points::PointKeys::TABLE,
-        &contact::DamperKeys::TABLE,
-        &contact::RatioKeys::TABLE,
-        &contact::RestitutionKeys::TABLE,
-        &contact::FrictionKeys::TABLE,
-        &contact::FilmKeys::TABLE,
-        &stiffness::ConstantKeys::TABLE,
-        &stiffness::ParabolaKeys::TABLE,
-        &stiffness::IsoKeys::TABLE,
-        &stiffness::ComplianceKeys::TABLE,
-        &stiffness::TableKeys::TABLE,
-        &study_plan::StudyKeys::TABLE,
-        &study_plan::IntegratorKeys::TABLE,
-        &study_plan::ToleranceKeys::TABLE,
+        &SceneTable::TABLE,
+        &gear::GearTable::TABLE,
+        &gear::RackTable::TABLE,
+        &gear::ReliefTable::TABLE,
+        &out_of_plane::BearingTable::TABLE,
+        &out_of_plane::DirectionTable::TABLE,
+        &out_of_plane::MisalignmentTable::TABLE,
+        &modifications::EndReliefTable::TABLE,
+        &modifications::EndTable::TABLE,
+        &modifications::SideTable::TABLE,
+        &modifications::TopographyTable::TABLE,
+        &deviations::DeviationTable::TABLE,
+        &deviations::FlankTable::TABLE,
+        &material::MaterialTable::TABLE,
+        &mesh::MeshTable::TABLE,
+        &mesh::StartTable::TABLE,
+        &shaft::ShaftTable::TABLE,
+        &shaft::StationTable::TABLE,
+        &shaft::SectionTable::TABLE,
+        &model::ModelTable::TABLE,
+        &model::GearModelTable::TABLE,
+        &references::ReferenceTable::TABLE,
+        &references::columns::ColumnTable::TABLE,
+        &references::columns::UnitTable::TABLE,
+        &references::conditions::GearConditionTable::TABLE,
+        &calibration_choice::CalibrationTable::TABLE,
+        &contact::ContactTable::TABLE,
+        &contact_points::PointTable::TABLE,
+        &contact::DamperTable::TABLE,
+        &contact::RatioTable::TABLE,
+        &contact::RestitutionTable::TABLE,
+        &contact::FrictionTable::TABLE,
+        &contact::FilmTable::TABLE,
+        &stiffness::ConstantTable::TABLE,
+        &stiffness::ParabolaTable::TABLE,
+        &stiffness::IsoTable::TABLE,
+        &stiffness::ComplianceTable::TABLE,
+        &stiffness::TabulatedTable::TABLE,
+        &study_plan::StudyTable::TABLE,
+        &study_plan::IntegratorTable::TABLE,
+        &study_plan::ToleranceTable::TABLE,
         &sweep::scene::Sweep::TABLE,
-        &precision::scene::PrecisionKeys::TABLE,
-        &stability::scene::StabilityKeys::TABLE,
-        &stability::scene::SpanKeys::TABLE,
-        &stability::scene::AxisKeys::TABLE,
-        &check::file::CheckKeys::TABLE,
-        &check::file::RuntimeKeys::TABLE,
-        &check::file::DifferenceKeys::TABLE,
-        &check::file::CaseKeys::TABLE,
+        &precision::scene::PrecisionTable::TABLE,
+        &stability::scene::StabilityTable::TABLE,
+        &stability::scene::SpanTable::TABLE,
+        &stability::scene::AxisTable::TABLE,
+        &check::file::CheckTable::TABLE,
+        &check::file::RuntimeTable::TABLE,
+        &check::file::DifferenceTable::TABLE,
+        &check::file::CaseTable::TABLE,
     ]
     .into_iter()
     .chain(profile::TABLES)
@@ -93,19 +93,20 @@ pub(super) fn table(name: &str) -> Option<&'static Table> {
     found
 }
 
-/// Declares a table of the format: a struct for serde, whose fields are the keys and whose comments are their meanings.
+/// Declares a table of the format: a struct that is read and written, whose fields are the keys with their units in their
+/// names, and whose comments are their meanings.
 macro_rules! keys {
     ($(
         $(#[$outer:meta])*
-        $vis:vis struct $name:ident {
-            $( $(#[doc = $doc:literal])* $(#[serde($($serde:tt)*)])* $field_vis:vis $field:ident: $type:ty, )*
+        struct $name:ident {
+            $( $(#[doc = $doc:literal])* $(#[serde($($serde:tt)*)])* $field:ident: $type:ty, )*
         }
     )*) => { $(
-        #[derive(Clone, Debug, serde::Deserialize)]
+        #[derive(Clone, Debug, PartialEq, serde::Deserialize, serde::Serialize)]
         #[serde(deny_unknown_fields)]
         $(#[$outer])*
-        $vis struct $name {
-            $( $(#[doc = $doc])* $(#[serde($($serde)*)])* $field_vis $field: $type, )*
+        pub struct $name {
+            $( $(#[doc = $doc])* $(#[serde($($serde)*)])* pub $field: $type, )*
         }
 
         impl $name {

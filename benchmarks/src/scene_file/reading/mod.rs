@@ -3,6 +3,7 @@
 //! | module | owns |
 //! |---|---|
 //! | `deserializer` | serde access to values, and the enumerations of the format |
+//! | [`serializer`] | the inverse: tables as TOML |
 //! | `node` | a value with its place, and errors about it |
 //! | [`flaw`] | errors of serde before they have a place |
 //! | [`keys`] | tables of the format as structs, whose comments are the meanings of keys in errors |
@@ -19,6 +20,7 @@ mod flaw;
 pub(crate) mod keys;
 mod node;
 mod place;
+pub(crate) mod serializer;
 pub(super) mod suggest;
 pub(crate) mod values;
 

@@ -4,6 +4,7 @@ use gearbench_integrators::spec::ids;
 use gearbench_integrators::{MethodError, MethodSpec};
 use gearbench_reports::Metric;
 use serde::de::{Deserialize, Deserializer, Error, MapAccess, Unexpected, Visitor};
+use serde::{Serialize, Serializer};
 use std::fmt;
 use std::marker::PhantomData;
 use std::sync::LazyLock;
@@ -11,8 +12,9 @@ use std::sync::LazyLock;
 macro_rules! limited {
     ($($(#[$doc:meta])* $name:ident, $expected:literal, $fits:expr;)*) => { $(
         $(#[$doc])*
-        #[derive(Clone, Copy, Debug, PartialEq)]
-        pub(crate) struct $name(pub(crate) f64);
+        #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
+        #[serde(transparent)]
+        pub struct $name(pub f64);
 
         impl<'de> Deserialize<'de> for $name {
             fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
@@ -30,6 +32,13 @@ macro_rules! limited {
                 x.0
             }
         }
+
+        impl From<f64> for $name {
+            /// Takes a value as it is; it is checked when the table is read.
+            fn from(x: f64) -> $name {
+                $name(x)
+            }
+        }
     )* };
 }
 
@@ -44,20 +53,27 @@ limited! {
     Factor, "more than 0 and less than 1000000", |x| x > 0.0 && x < 1e6;
 }
 
-/// An angle [rad], degrees in the file.
-#[derive(Clone, Copy, Debug, serde::Deserialize)]
-#[serde(from = "f64")]
-pub(crate) struct Degrees(pub(crate) f64);
+/// An angle in degrees.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Deserialize, serde::Serialize)]
+#[serde(transparent)]
+pub struct Degrees(pub f64);
 
-impl From<f64> for Degrees {
-    fn from(degrees: f64) -> Self {
-        Degrees(degrees.to_radians())
+impl Degrees {
+    /// The angle [rad].
+    pub fn radians(self) -> f64 {
+        self.0.to_radians()
     }
 }
 
+/// True for a value that a file need not have.
+pub(crate) fn is_default<T: Default + PartialEq>(value: &T) -> bool {
+    *value == T::default()
+}
+
 /// An integer between two limits.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Count<const LEAST: u32, const MOST: u32>(pub(crate) usize);
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[serde(transparent)]
+pub struct Count<const LEAST: u32, const MOST: u32>(pub usize);
 
 impl<'de, const LEAST: u32, const MOST: u32> Deserialize<'de> for Count<LEAST, MOST> {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
@@ -78,9 +94,17 @@ impl<'de, const LEAST: u32, const MOST: u32> Deserialize<'de> for Count<LEAST, M
 macro_rules! words_of_the_scene {
     ($($(#[$doc:meta])* $name:ident, $known:literal;)*) => { $(
         $(#[$doc])*
-        #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, serde::Deserialize)]
+        #[derive(
+            Clone, Debug, Default, PartialEq, Eq, PartialOrd, Ord, serde::Deserialize, serde::Serialize,
+        )]
         #[serde(rename = $known)]
-        pub(crate) struct $name(pub(crate) String);
+        pub struct $name(pub String);
+
+        impl From<&str> for $name {
+            fn from(text: &str) -> Self {
+                $name(text.to_owned())
+            }
+        }
     )* };
 }
 
@@ -96,9 +120,9 @@ words_of_the_scene! {
 }
 
 /// A list without duplicates.
-#[derive(Clone, Debug, PartialEq, serde::Deserialize)]
+#[derive(Clone, Debug, PartialEq, serde::Deserialize, serde::Serialize)]
 #[serde(rename = "<distinct>")]
-pub(crate) struct Distinct<T>(pub(crate) Vec<T>);
+pub struct Distinct<T>(pub Vec<T>);
 
 impl Distinct<Label> {
     /// Converts the list to plain labels.
@@ -108,17 +132,25 @@ impl Distinct<Label> {
 }
 
 /// One value, or a list of values.
-#[derive(Clone, Debug, serde::Deserialize)]
-pub(crate) enum OneOrMany<T> {
+#[derive(Clone, Debug, PartialEq, serde::Deserialize, serde::Serialize)]
+pub enum OneOrMany<T> {
+    /// One value.
     #[serde(rename = "<table>")]
     One(T),
+    /// A list of values.
     #[serde(rename = "<list>")]
     Many(Vec<T>),
 }
 
+impl<T: Default> Default for OneOrMany<T> {
+    fn default() -> Self {
+        OneOrMany::One(T::default())
+    }
+}
+
 /// A table with user-defined names, in the order of the file.
-#[derive(Clone, Debug)]
-pub(crate) struct OrderedTable<T>(pub(crate) Vec<(String, T)>);
+#[derive(Clone, Debug, PartialEq)]
+pub struct OrderedTable<T>(pub Vec<(String, T)>);
 
 impl<T> Default for OrderedTable<T> {
     fn default() -> Self {
@@ -146,9 +178,21 @@ impl<'de, T: Deserialize<'de>> Deserialize<'de> for OrderedTable<T> {
     }
 }
 
+impl<T: Serialize> Serialize for OrderedTable<T> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_map(self.0.iter().map(|(name, value)| (name, value)))
+    }
+}
+
 /// An integrator: id or id(name=value).
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Method(pub(crate) MethodSpec);
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Method(pub MethodSpec);
+
+impl Serialize for Method {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_str(&self.0)
+    }
+}
 
 static METHOD_IDS: LazyLock<Vec<&'static str>> = LazyLock::new(ids);
 
@@ -167,8 +211,14 @@ impl<'de> Deserialize<'de> for Method {
 macro_rules! metrics {
     ($($(#[$doc:meta])* $name:ident, $holds:expr, $known:expr;)*) => { $(
         $(#[$doc])*
-        #[derive(Clone, Copy, Debug)]
-        pub(crate) struct $name(pub(crate) Metric);
+        #[derive(Clone, Copy, Debug, PartialEq)]
+        pub struct $name(pub Metric);
+
+        impl Serialize for $name {
+            fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+                serializer.serialize_str(self.0.key())
+            }
+        }
 
         impl<'de> Deserialize<'de> for $name {
             fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {

@@ -8,10 +8,11 @@ use super::super::reading::values::OrderedTable;
 use super::subjects;
 use gearbench_models::spec::SceneSpec;
 use gearbench_reference::data::{Dimension, Quantity, factor};
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 keys! {
-    pub(in super::super) struct ColumnKeys {
+    /// Names of the columns of a reference.
+    struct ColumnTable {
         /// column of time
         time: Option<String>,
         /// column of the contact force of the first mesh, or { pinion-wheel = "Fn [kN]" } by mesh
@@ -28,7 +29,8 @@ keys! {
         mount_torque: Option<OrderedTable<String>>,
     }
 
-    pub(in super::super) struct UnitKeys {
+    /// Units of the columns of a reference.
+    struct UnitTable {
         /// unit of time, for example "ms"
         time: Option<String>,
         /// unit of contact forces, for example "kN"
@@ -47,8 +49,8 @@ keys! {
 }
 
 /// One entry for all gears or meshes, or one for each name.
-#[derive(Clone, Debug, Deserialize)]
-pub(in super::super) enum OneOrNamed {
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+pub enum OneOrNamed {
     #[serde(rename = "<text>")]
     One(String),
     #[serde(rename = "<table>")]
@@ -102,7 +104,7 @@ fn meshes(spec: &SceneSpec) -> Vec<String> {
 
 /// Reads the column of time and the columns of quantities.
 pub(super) fn columns(
-    keys: Option<&ColumnKeys>,
+    keys: Option<&ColumnTable>,
     spec: &SceneSpec,
     at: &Place<'_>,
 ) -> Result<RecognisedColumns, SceneError> {
@@ -145,7 +147,7 @@ pub(super) fn columns(
 
 /// Reads the unit of time and the units of quantities.
 pub(super) fn units(
-    keys: Option<&UnitKeys>,
+    keys: Option<&UnitTable>,
     spec: &SceneSpec,
     at: &Place<'_>,
 ) -> Result<RecognisedColumns, SceneError> {

@@ -12,11 +12,12 @@ use super::super::reading::Place;
 use super::super::reading::keys::keys;
 use super::super::reading::suggest::there_are;
 use super::super::{SceneError, SceneFile};
-use super::{ReferenceKeys, SceneParts};
+use super::{ReferenceTable, SceneParts};
 use gearbench_models::spec::{Body, Load, Mount, Profile, SceneSpec, layout_axes, mesh_layout};
 
 keys! {
-    pub(in super::super) struct GearConditionKeys {
+    /// Conditions of one gear that differ from the scene in a reference.
+    struct GearConditionTable {
         /// initial speed in rad/s, or the constant speed of a driven gear
         speed_rad_s: Option<f64>,
         /// the same of a rack in m/s
@@ -56,7 +57,7 @@ pub struct ReferenceConditions {
 
 /// Reads and checks the conditions of a reference.
 pub(super) fn read(
-    keys: &ReferenceKeys,
+    keys: &ReferenceTable,
     beside: &SceneParts<'_>,
     at: &Place<'_>,
 ) -> Result<ReferenceConditions, SceneError> {

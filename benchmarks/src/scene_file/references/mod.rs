@@ -24,20 +24,21 @@ pub use table::subjects;
 use super::reading::Place;
 use super::reading::keys::keys;
 use super::reading::suggest::there_are;
-use super::reading::values::{OrderedTable, Positive, Share};
+use super::reading::values::{OrderedTable, Positive, Share, is_default};
 use super::{SceneError, SceneFile};
-use columns::{ColumnKeys, UnitKeys};
-use conditions::GearConditionKeys;
+use columns::{ColumnTable, UnitTable};
+use conditions::GearConditionTable;
 use gearbench_models::spec::SceneSpec;
 use gearbench_reference::REFERENCES;
 use gearbench_reference::data::Request;
 use gearbench_reports::record::SELF;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
 keys! {
+    /// Data that models are compared with or fitted to.
     #[derive(Default)]
-    pub(super) struct ReferenceKeys {
+    struct ReferenceTable {
         /// name in records and in `tolerance`, default the program of a stored one, else the name of the file
         name: Option<String>,
         /// id of a stored reference, for example "calculix/case-a-fine"
@@ -49,9 +50,9 @@ keys! {
         /// where the data come from, one line
         source: Option<String>,
         /// names of columns: { time = "t [ms]", force = "Fn [kN]", speed.pinion = "n1 [1/min]" }, default those that are known by their names
-        columns: Option<ColumnKeys>,
+        columns: Option<ColumnTable>,
         /// units where the header has none or another: { time = "ms", force = "kN", speed = "1/min" }
-        units: Option<UnitKeys>,
+        units: Option<UnitTable>,
         /// "normal" (default) or "transverse", the part of the contact force in the plane of rotation
         force_kind: Option<ForceKindWord>,
         /// "comma", "semicolon" or "tab" between columns, default what the line of names has
@@ -59,7 +60,7 @@ keys! {
         /// "point" or "comma" in numbers, default what they have
         decimal: Option<DecimalWord>,
         /// added to all times in seconds, default 0; the scene begins at 0
-        #[serde(default)]
+        #[serde(default, skip_serializing_if = "is_default")]
         offset_s: f64,
         /// first time that is used in seconds, after the offset, default 0
         from_s: Option<f64>,
@@ -83,44 +84,56 @@ keys! {
         /// centre distance of this reference in metres, default the scene's
         centre_distance_m: Option<Positive>,
         /// conditions that differ at gears: { pinion = { speed_rad_s = 40.0, torque_nm = 20.0 } }
-        #[serde(default)]
-        gears: OrderedTable<GearConditionKeys>,
+        #[serde(default, skip_serializing_if = "is_default")]
+        gears: OrderedTable<GearConditionTable>,
     }
 }
 
 /// A reference by name or file, or by its table of keys.
-#[derive(Clone, Debug, Deserialize)]
-pub(super) enum ReferenceChoice {
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+pub enum ReferenceChoice {
+    /// Id of a stored reference, or path of a table.
     #[serde(rename = "<text>")]
     Text(String),
+    /// A reference by its keys.
     #[serde(rename = "<table>")]
-    Table(Box<ReferenceKeys>),
+    Table(Box<ReferenceTable>),
 }
 
-#[derive(Clone, Copy, Debug, Deserialize)]
+/// Kind of the contact force in a table.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(rename_all = "kebab-case")]
-enum ForceKindWord {
+pub enum ForceKindWord {
+    /// The force normal to the flanks.
     Normal,
+    /// Its part in the plane of rotation.
     Transverse,
 }
 
-#[derive(Clone, Copy, Debug, Deserialize)]
+/// Sign between columns.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(rename_all = "kebab-case")]
-enum DelimiterWord {
+pub enum DelimiterWord {
+    /// Commas.
     Comma,
+    /// Semicolons.
     Semicolon,
+    /// Tabs.
     Tab,
 }
 
-#[derive(Clone, Copy, Debug, Deserialize)]
+/// Decimal sign.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(rename_all = "kebab-case")]
-enum DecimalWord {
+pub enum DecimalWord {
+    /// A point.
     Point,
+    /// A comma.
     Comma,
 }
 
 /// Use of a reference in an identification.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Role {
     /// Constants are fitted to the reference.
@@ -205,7 +218,7 @@ pub(super) struct SceneParts<'a> {
 /// Checks all references of a scene; their data are read when a study needs them.
 pub(super) fn references(
     one: Option<ReferenceChoice>,
-    several: Vec<ReferenceKeys>,
+    several: Vec<ReferenceTable>,
     beside: &SceneParts<'_>,
     root: &Place<'_>,
 ) -> Result<Vec<NamedReference>, SceneError> {
@@ -243,26 +256,26 @@ pub(super) fn references(
 }
 
 /// Reads a reference given as one word: a path, or the id of a stored one.
-fn short(text: String) -> ReferenceKeys {
+fn short(text: String) -> ReferenceTable {
     let is_file = Path::new(&text).extension().is_some_and(|e| {
         ["csv", "tsv", "txt", "dat"]
             .iter()
             .any(|known| e.eq_ignore_ascii_case(known))
     });
     match is_file {
-        true => ReferenceKeys {
+        true => ReferenceTable {
             csv: Some(text),
-            ..ReferenceKeys::default()
+            ..ReferenceTable::default()
         },
-        false => ReferenceKeys {
+        false => ReferenceTable {
             stored: Some(text),
-            ..ReferenceKeys::default()
+            ..ReferenceTable::default()
         },
     }
 }
 
 fn named(
-    keys: ReferenceKeys,
+    keys: ReferenceTable,
     beside: &SceneParts<'_>,
     at: &Place<'_>,
     path: String,

@@ -3,7 +3,7 @@
 use super::super::SceneError;
 use super::super::reading::Place;
 use super::{
-    DecimalWord, DelimiterWord, ForceKindWord, ReferenceConditions, ReferenceKeys, SceneParts,
+    DecimalWord, DelimiterWord, ForceKindWord, ReferenceConditions, ReferenceTable, SceneParts,
     columns,
 };
 use gearbench_models::spec::{Body, Mount, Profile, SceneSpec};
@@ -13,7 +13,7 @@ use gearbench_reference::data::{
 
 /// Builds the request by which a reference table is read.
 pub(super) fn request(
-    keys: &ReferenceKeys,
+    keys: &ReferenceTable,
     conditions: &ReferenceConditions,
     beside: &SceneParts<'_>,
     at: &Place<'_>,

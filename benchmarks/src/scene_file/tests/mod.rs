@@ -2,6 +2,7 @@
 
 mod axes;
 mod contacts;
+mod format;
 mod lengths;
 mod modifications;
 mod motion;

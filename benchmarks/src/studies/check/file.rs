@@ -3,37 +3,39 @@
 use super::quantity::{Quantity, USUAL};
 use crate::scene_file::SceneError;
 use crate::scene_file::reading::keys::keys;
-use crate::scene_file::reading::values::{Factor, NotNegative, OrderedTable, Positive};
+use crate::scene_file::reading::values::{Factor, NotNegative, OrderedTable, Positive, is_default};
 use crate::scene_file::reading::{Document, Place};
 use gearbench_reference::file_kind::{self, Input};
 use gearbench_reference::files;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 use std::path::{Component, Path, PathBuf};
 
 keys! {
-    pub(crate) struct CheckKeys {
+    /// A check file: cases with their stored quantities.
+    struct CheckTable {
         /// version of the format, 1
         schema: CheckSchema,
         /// one line for the report
-        #[serde(default)]
+        #[serde(default, skip_serializing_if = "is_default")]
         title: String,
         /// file of the stored baselines, from the folder of this file, default its name with .baseline.jsonl
         baseline: Option<String>,
         /// counts of work (steps, Newton iterations, ...), "exact" (default) or "report"
-        #[serde(default)]
+        #[serde(default, skip_serializing_if = "is_default")]
         work: WorkRule,
         /// runtime in units of the kernel, { factor, all, gate }
-        #[serde(default)]
-        runtime: RuntimeKeys,
+        #[serde(default, skip_serializing_if = "is_default")]
+        runtime: RuntimeTable,
         /// tolerated differences of quantities, by key: tolerances.peak_force_n = { relative, absolute, most }
-        #[serde(default)]
-        tolerances: OrderedTable<DifferenceKeys>,
+        #[serde(default, skip_serializing_if = "is_default")]
+        tolerances: OrderedTable<DifferenceTable>,
         /// tables [[cases]]
-        cases: Vec<CaseKeys>,
+        cases: Vec<CaseTable>,
     }
 
+    /// Limits of computing times in a check.
     #[derive(Default)]
-    pub(crate) struct RuntimeKeys {
+    struct RuntimeTable {
         /// ratio to the baseline from which on a run is slower, default 1.35
         factor: Option<Factor>,
         /// the same of the median of that ratio over all entries, where there are eight or more, default 1.25
@@ -42,8 +44,9 @@ keys! {
         gate: Option<bool>,
     }
 
+    /// Allowed differences of a quantity in a check.
     #[derive(Copy)]
-    pub(crate) struct DifferenceKeys {
+    struct DifferenceTable {
         /// greatest difference over the baseline, default 1e-6
         relative: Option<NotNegative>,
         /// greatest difference in the unit of the quantity; the larger of the two counts
@@ -52,7 +55,8 @@ keys! {
         most: Option<Positive>,
     }
 
-    pub(crate) struct CaseKeys {
+    /// A case of a check.
+    struct CaseTable {
         /// name in the report, default that of the scene
         name: Option<String>,
         /// name of a shipped scene, or path of a scene file from the folder of this file
@@ -64,18 +68,18 @@ keys! {
         /// quantities, default peak force, impulse, last speeds, energy drift, force and transmission error (root mean square), error against references
         metrics: Option<Vec<String>>,
         /// as above, for this case
-        #[serde(default)]
-        tolerances: OrderedTable<DifferenceKeys>,
+        #[serde(default, skip_serializing_if = "is_default")]
+        tolerances: OrderedTable<DifferenceTable>,
         /// left out by --quick
-        #[serde(default)]
+        #[serde(default, skip_serializing_if = "is_default")]
         slow: bool,
     }
 }
 
 /// The version of the format.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(try_from = "u32")]
-struct CheckSchema;
+pub struct CheckSchema;
 
 impl TryFrom<u32> for CheckSchema {
     type Error = String;
@@ -90,9 +94,9 @@ impl TryFrom<u32> for CheckSchema {
 }
 
 /// Rule for a work count (steps, force evaluations) that differs from the baseline.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub(super) enum WorkRule {
+pub enum WorkRule {
     /// The difference fails the check.
     #[default]
     Exact,
@@ -137,7 +141,7 @@ pub(super) struct Runtime {
 pub(super) struct Rules {
     pub(super) work: WorkRule,
     pub(super) runtime: Runtime,
-    tolerances: Vec<(Quantity, DifferenceKeys)>,
+    tolerances: Vec<(Quantity, DifferenceTable)>,
 }
 
 impl Rules {
@@ -212,10 +216,10 @@ impl CheckFile {
 
     fn parse(path: &Path, text: &str) -> Result<Self, SceneError> {
         let name = path.display().to_string();
-        let (document, keys): (_, CheckKeys) = Document::read(&name, text, |_| Vec::new())?;
+        let (document, keys): (_, CheckTable) = Document::read(&name, text, |_| Vec::new())?;
         let folder = path.parent().unwrap_or(Path::new(""));
         let root = document.at("");
-        let CheckKeys {
+        let CheckTable {
             schema: CheckSchema,
             ..
         } = keys;
@@ -308,7 +312,7 @@ impl CheckFile {
 
 fn case(
     index: usize,
-    keys: CaseKeys,
+    keys: CaseTable,
     (rules, folder): (&Rules, &Path),
     at: &Place<'_>,
 ) -> Result<Case, SceneError> {
@@ -343,9 +347,9 @@ fn case(
 }
 
 fn tolerances(
-    keys: OrderedTable<DifferenceKeys>,
+    keys: OrderedTable<DifferenceTable>,
     at: &Place<'_>,
-) -> Result<Vec<(Quantity, DifferenceKeys)>, SceneError> {
+) -> Result<Vec<(Quantity, DifferenceTable)>, SceneError> {
     let all = keys.0.into_iter();
     all.map(|(key, t)| Ok((quantity(&key, &at.key(&key))?, t)))
         .collect()

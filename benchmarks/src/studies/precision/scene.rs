@@ -6,17 +6,18 @@ use crate::scene_file::reading::keys::keys;
 use crate::scene_file::reading::values::{
     Count, Distinct, Factor, Label, MetricOption, Positive, Share,
 };
-use crate::scene_file::study_plan::{IntegratorKeys, schemes};
+use crate::scene_file::study_plan::{IntegratorTable, schemes};
 use gearbench_integrators::Scheme;
 use gearbench_reports::Metric;
 
 keys! {
+    /// Defaults of the study of accuracy against cost.
     #[derive(Default)]
-    pub(crate) struct PrecisionKeys {
+    struct PrecisionTable {
         /// labels, default those of the study
         models: Option<Distinct<Label>>,
         /// in place of the study's, in addition to a model's own (full finite elements keep their own)
-        integrators: Option<Vec<IntegratorKeys>>,
+        integrators: Option<Vec<IntegratorTable>>,
         /// numbers of modes per gear of elastic models, default [0, 10, 35, 70, 100, 150]
         modes: Option<Vec<Count<0, 2000>>>,
         /// steps over that of the scene, default [16, 8, 4, 2, 1, 0.5, 0.25, 0.125]
@@ -57,7 +58,7 @@ fn plain<T, U>(list: Option<Vec<T>>, plain: impl Fn(T) -> U) -> Vec<U> {
     list.into_iter().flatten().map(plain).collect()
 }
 
-impl PrecisionKeys {
+impl PrecisionTable {
     /// Validates the keys and returns the defaults; factors and steps exclude each other.
     pub(crate) fn read(self, at: &Place<'_>) -> Result<Precision, SceneError> {
         if self.factors.is_some() && self.steps_s.is_some() {

@@ -3,7 +3,7 @@
 use crate::experiment::conditions::logarithmic;
 
 /// Parameter that an axis of a stability map varies.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Deserialize, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Axis {
     /// Factor on stiffness or penalty of all contacts.

@@ -18,7 +18,8 @@ pub const ROWS: usize = 8;
 pub const MOST: u32 = 400;
 
 keys! {
-    pub(crate) struct StabilityKeys {
+    /// A set of maps of stability.
+    struct StabilityTable {
         /// labels of the models, default those of the study without full finite elements
         models: Option<Distinct<Label>>,
         /// list of "id" or "id(name=value)", default explicit and implicit methods with fixed steps
@@ -26,16 +27,17 @@ keys! {
         /// simulated time in seconds, default that of the scene
         duration_s: Option<Positive>,
         /// steps in seconds, { from, to, points }, default around the fastest oscillation of the model
-        step_s: Option<SpanKeys>,
+        step_s: Option<SpanTable>,
         /// tolerances of methods that choose their steps, { from, to, points }, default 1e-9 to 1e-1
-        rtol: Option<SpanKeys>,
+        rtol: Option<SpanTable>,
         /// one or two parameters, [{ axis = "contact-stiffness", from = 0.1, to = 100.0, points = 7 }]
-        axes: Option<Vec<AxisKeys>>,
+        axes: Option<Vec<AxisTable>>,
         /// steps after which a run is a timeout, default 200000
         max_steps: Option<Count<1, { u32::MAX }>>,
     }
 
-    pub(crate) struct SpanKeys {
+    /// A range of values, evenly spaced over the decades.
+    struct SpanTable {
         /// smallest value
         from: Positive,
         /// greatest value
@@ -44,7 +46,8 @@ keys! {
         points: Option<Count<2, MOST>>,
     }
 
-    pub(crate) struct AxisKeys {
+    /// A parameter of a map of stability.
+    struct AxisTable {
         /// contact-stiffness, tooth-stiffness, damping, speed, modes, rho-inf or hht-alpha
         axis: Axis,
         /// smallest value
@@ -121,11 +124,11 @@ impl AxisValues {
     }
 }
 
-impl StabilityKeys {
+impl StabilityTable {
     /// Validates the keys and returns the set of maps that they describe.
     pub(crate) fn read(self, at: &Place<'_>) -> Result<StabilitySet, SceneError> {
-        let span = |keys: Option<SpanKeys>, key: &str, below: f64| {
-            let read = |keys: SpanKeys| {
+        let span = |keys: Option<SpanTable>, key: &str, below: f64| {
+            let read = |keys: SpanTable| {
                 let points = keys.points.map_or(COLUMNS, |n| n.0);
                 span([keys.from.0, keys.to.0], points, below, &at.key(key))
             };
@@ -188,7 +191,7 @@ fn span(
     Ok(Span { from, to, points })
 }
 
-impl AxisKeys {
+impl AxisTable {
     fn read(self, at: &Place<'_>) -> Result<AxisValues, SceneError> {
         let axis = self.axis;
         let values = if let Some(values) = self.values {

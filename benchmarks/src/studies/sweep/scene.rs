@@ -9,8 +9,7 @@ use gearbench_reports::sweep::Branch;
 keys! {
     /// Speeds at which a sweep runs.
     #[serde(default)]
-    #[derive(PartialEq)]
-    pub struct Sweep {
+    struct Sweep {
         /// lowest mesh frequency in hertz: teeth times turns per second
         from_hz: Option<Positive>,
         /// highest mesh frequency in hertz
