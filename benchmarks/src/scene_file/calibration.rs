@@ -20,6 +20,7 @@
 //! calibrations next to it, as `NAME.calibration.toml`.
 
 use super::error::SceneError;
+use super::format::document_of;
 use super::reading::values::OrderedTable;
 use super::reading::{Document, Place, suggest};
 use gearbench_models::law::Damping;
@@ -27,7 +28,6 @@ use gearbench_models::spec::{Modelling, Value};
 use gearbench_models::stiffness::{PairOrMesh, PairStiffness};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
-use std::fmt::Write as _;
 
 /// Kind of data to which constants were fitted; it is the name of a calibration.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -371,26 +371,44 @@ impl Calibration {
 
     /// The calibration as TOML; numbers keep all digits.
     pub fn to_toml(&self) -> String {
-        let key = |name: &str| toml_edit::Key::new(name).display_repr().into_owned();
-        let mut text = String::new();
-        for (name, labels) in &self.sets {
-            for (label, constants) in labels {
-                let _ = writeln!(text, "\n[{}.{}]", key(name), key(label));
-                for (name, x) in constants.by_key() {
-                    let _ = match of_gear(&name) {
-                        (Some(gear), name) => {
-                            writeln!(text, "{}.{} = {x:e}", key(gear), key(name))
-                        }
-                        (None, name) => writeln!(text, "{} = {x:e}", key(name)),
-                    };
-                }
-                if !constants.fitted_to.is_empty() {
-                    let names: toml_edit::Array = constants.fitted_to.iter().collect();
-                    let _ = writeln!(text, "{FITTED_TO} = {names}");
-                }
+        let of_label = |(label, c): (&String, &Constants)| (label.clone(), c.into());
+        let of_set = |labels: &BTreeMap<String, Constants>| {
+            OrderedTable(labels.iter().map(of_label).collect())
+        };
+        let sets = self
+            .sets
+            .iter()
+            .map(|(name, labels)| (name.clone(), of_set(labels)));
+        let sets: Sets = OrderedTable(sets.collect());
+        // Names, numbers and lists of names can all be written.
+        document_of(&sets).map_or_else(|e| format!("# {e}\n"), |d| d.to_string())
+    }
+}
+
+impl From<&Constants> for OrderedTable<OneOrOfGear> {
+    fn from(constants: &Constants) -> Self {
+        let mut all: Vec<(String, OneOrOfGear)> = Vec::new();
+        for (key, x) in constants.by_key() {
+            let (gear, key) = of_gear(&key);
+            let Some(gear) = gear else {
+                all.push((key.to_owned(), OneOrOfGear::One(x)));
+                continue;
+            };
+            let of = all.iter().position(|(name, _)| name == gear);
+            let of = of.unwrap_or_else(|| {
+                let none = OneOrOfGear::OfGear(OrderedTable::default());
+                all.push((gear.to_owned(), none));
+                all.len() - 1
+            });
+            if let OneOrOfGear::OfGear(own) = &mut all[of].1 {
+                own.0.push((key.to_owned(), x));
             }
         }
-        text
+        if !constants.fitted_to.is_empty() {
+            let names = OneOrOfGear::Names(constants.fitted_to.clone());
+            all.push((FITTED_TO.to_owned(), names));
+        }
+        OrderedTable(all)
     }
 }
 

@@ -37,8 +37,3 @@ fn fill(own: &mut Table, value: Value) {
         set(own, &key, value);
     }
 }
-
-/// A number with all digits.
-pub fn number(x: f64) -> Option<Value> {
-    format!("{x:e}").parse().ok()
-}

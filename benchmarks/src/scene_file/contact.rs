@@ -6,7 +6,7 @@
 //! contact = { penalty_pa_per_m = 1e15, points = { along = 8, across = 2 }, surface = "smooth" }
 //! ```
 
-use super::contact_points::{PointLaw, PointsChoice, points};
+use super::contact_points::{PointLaw, PointsChoice, of_points, points};
 use super::error::SceneError;
 use super::reading::Place;
 use super::reading::keys::keys;
@@ -140,6 +140,65 @@ impl From<&DampingTable> for Damping {
             DampingTable::LankaraniNikravesh(keys) => Damping::LankaraniNikravesh { e: keys.e },
             DampingTable::Flores(keys) => Damping::Flores { e: keys.e },
             DampingTable::Gonthier(keys) => Damping::Gonthier { e: keys.e },
+        }
+    }
+}
+
+impl From<Damping> for DampingTable {
+    fn from(law: Damping) -> Self {
+        let damper = |c| DamperTable {
+            damping_ns_per_m: c,
+        };
+        match law {
+            Damping::None => DampingTable::None,
+            Damping::KelvinVoigt { c } => DampingTable::KelvinVoigt(damper(c)),
+            Damping::KelvinVoigtBounded { c } => DampingTable::KelvinVoigtBounded(damper(c)),
+            Damping::KelvinVoigtRatio { ratio } => {
+                DampingTable::KelvinVoigtRatio(RatioTable { ratio })
+            }
+            Damping::RatioAtLoad { ratio } => DampingTable::RatioAtLoad(RatioTable { ratio }),
+            Damping::HuntCrossley { e } => DampingTable::HuntCrossley(RestitutionTable { e }),
+            Damping::LankaraniNikravesh { e } => {
+                DampingTable::LankaraniNikravesh(RestitutionTable { e })
+            }
+            Damping::Flores { e } => DampingTable::Flores(RestitutionTable { e }),
+            Damping::Gonthier { e } => DampingTable::Gonthier(RestitutionTable { e }),
+        }
+    }
+}
+
+impl From<&Friction> for FrictionTable {
+    fn from(friction: &Friction) -> Self {
+        let (v_ref_m_s, stick_m) = match friction.form() {
+            FrictionForm::Regularised(v) => (Some(v), None),
+            FrictionForm::StickSlip(l) => (None, Some(l)),
+        };
+        let film = friction.film().map(|film| FilmTable {
+            viscosity_pa_s: film.viscosity,
+            roughness_m: film.roughness,
+            lubricant_factor: film.lubricant,
+        });
+        FrictionTable {
+            mu: film.is_none().then(|| friction.mu()),
+            film,
+            v_ref_m_s,
+            stick_m,
+        }
+    }
+}
+
+impl From<&ContactSpec> for ContactTable {
+    fn from(spec: &ContactSpec) -> Self {
+        ContactTable {
+            stiffness: Some(StiffnessTable::from(&spec.stiffness)),
+            exponent: Some(spec.exponent).filter(|x| *x != 1.0),
+            damping: DampingTable::from(spec.damping),
+            friction: spec.friction.as_ref().map(FrictionTable::from),
+            slices: spec.slices.map(Count),
+            ..spec
+                .points
+                .as_ref()
+                .map_or_else(Default::default, of_points)
         }
     }
 }

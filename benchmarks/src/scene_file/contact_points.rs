@@ -105,6 +105,42 @@ pub(super) fn points(
     }
 }
 
+/// Returns the keys of a contact of flank points.
+pub(super) fn of_points(spec: &PointContact) -> ContactTable {
+    if spec.local == LocalContact::HalfSpace {
+        return ContactTable {
+            local: Some(LocalContact::HalfSpace),
+            ..ContactTable::default()
+        };
+    }
+    let points = match spec.rule {
+        PointRule::Nodes | PointRule::EachNode => Some(PointsChoice::Nodes),
+        PointRule::Quadrature { .. } if spec.hard => None,
+        PointRule::Quadrature { along, across } => Some(PointsChoice::Grid(PointTable {
+            along: Count(along),
+            across: Count(across),
+        })),
+    };
+    let penalty = Some(spec.penalty).filter(|_| !spec.hard);
+    let of_node = spec.rule == PointRule::EachNode;
+    ContactTable {
+        law: spec.hard.then_some(PointLaw::Hard),
+        penalty_pa_per_m: penalty.filter(|_| !of_node),
+        penalty_n_per_m: penalty.filter(|_| of_node),
+        points,
+        surface: given(spec.surface),
+        passes: given(spec.passes),
+        damping_ns_per_m3: given(spec.damping),
+        reach_m: spec.reach,
+        ..ContactTable::default()
+    }
+}
+
+/// A value that is not the default.
+fn given<T: Default + PartialEq>(value: T) -> Option<T> {
+    Some(value).filter(|v| *v != T::default())
+}
+
 /// Contact of elastic half-spaces, which has no options.
 fn half_space(at: &Place<'_>) -> Result<PointContact, SceneError> {
     let mut others = OF_POINTS

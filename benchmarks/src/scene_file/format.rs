@@ -58,6 +58,7 @@ pub use super::out_of_plane::{
 };
 pub use super::profile::*;
 pub use super::reading::serializer::WriteError;
+pub(crate) use super::reading::serializer::{number, to_value};
 pub use super::reading::values::*;
 pub use super::references::ReferenceTable;
 pub use super::shaft::{SectionTable, ShaftTable, StationTable};
@@ -69,9 +70,9 @@ pub use super::study_plan::{IntegratorTable, StudyTable, ToleranceChoice, Tolera
 pub use super::{SceneName, Schema};
 
 use super::reading::Document;
-use super::reading::serializer::to_value;
 use super::{Origin, SceneError, SceneFile, known_words};
 use crate::context::Context;
+use serde::Serialize;
 use serde::ser::Error as _;
 use toml_edit::{ArrayOfTables, DocumentMut, InlineTable, Item, Table, Value};
 
@@ -88,16 +89,9 @@ impl SceneTable {
     /// Writes the scene file: one table under a header for each gear, mesh, shaft, reference and model.
     ///
     /// # Errors
-    /// [`WriteError`] for a number that is not finite.
+    /// [`WriteError`] for a whole number that TOML cannot have.
     pub fn to_toml(&self) -> Result<String, WriteError> {
-        let Some(Value::InlineTable(all)) = to_value(self)? else {
-            return Err(WriteError::custom("the scene is no table"));
-        };
-        let mut document = DocumentMut::new();
-        for (key, value) in all {
-            document.insert(&key, with_headers(&key, value));
-        }
-        Ok(document.to_string())
+        Ok(document_of(self)?.to_string())
     }
 
     /// Writes and loads the scene; its name is that of the file in errors.
@@ -105,66 +99,105 @@ impl SceneTable {
     /// # Errors
     /// [`SceneError`] with the line of the text that was written.
     pub fn load(&self, context: &Context) -> Result<SceneFile, SceneError> {
-        let text = self.to_toml().map_err(|e| {
-            SceneError::plain(
-                e.to_string(),
-                "give finite numbers in the units of the keys",
-            )
-        })?;
+        let help = "give whole numbers below 2^63";
+        let text = self.to_toml();
+        let text = text.map_err(|e| SceneError::plain(e.to_string(), help))?;
         let name = format!("{}.toml", self.name.0);
         SceneFile::parse(context, &name, &text, Origin::Shipped, true)
     }
 }
 
-impl<T> FromIterator<(&'static str, T)> for OrderedTable<T> {
-    fn from_iter<I: IntoIterator<Item = (&'static str, T)>>(entries: I) -> Self {
-        let entries = entries.into_iter().map(|(name, x)| (name.to_owned(), x));
-        OrderedTable(entries.collect())
+/// Writes the parts of a file.
+///
+/// # Errors
+/// [`WriteError`] for what TOML cannot have, or no table.
+pub(crate) fn document_of(parts: &impl Serialize) -> Result<DocumentMut, WriteError> {
+    let Some(Value::InlineTable(all)) = to_value(parts)? else {
+        return Err(WriteError::custom("the file is no table"));
+    };
+    let mut document = DocumentMut::new();
+    for (key, value) in all {
+        document.insert(&key, with_headers(&key, value));
+    }
+    Ok(document)
+}
+
+/// Puts a part of a scene into a document: a value, or tables under headers of their own.
+///
+/// # Errors
+/// [`WriteError`] for what TOML cannot have.
+pub(crate) fn insert(
+    document: &mut DocumentMut,
+    key: &str,
+    part: &impl Serialize,
+) -> Result<(), WriteError> {
+    if let Some(value) = to_value(part)? {
+        document.insert(key, with_headers(key, value));
+    }
+    Ok(())
+}
+
+impl<'k, T, U: Into<T>> FromIterator<(&'k str, U)> for OrderedTable<T> {
+    fn from_iter<I: IntoIterator<Item = (&'k str, U)>>(entries: I) -> Self {
+        let entries = entries.into_iter();
+        OrderedTable(
+            entries
+                .map(|(name, x)| (name.to_owned(), x.into()))
+                .collect(),
+        )
     }
 }
 
-/// Parts of a scene that stand under headers of their own.
-const UNDER_HEADERS: [&str; 7] = [
-    "gears",
-    "meshes",
-    "shafts",
-    "models",
-    "references",
-    "study",
-    "calibration",
-];
+impl From<GearTable> for ToothedTable {
+    fn from(gear: GearTable) -> Self {
+        ToothedTable::Gear(Box::new(gear))
+    }
+}
 
-/// A value as it stands in the file: `[study]`, `[gears.NAME]`, `[[meshes]]`, everything else in one line.
+impl From<RackTable> for ToothedTable {
+    fn from(rack: RackTable) -> Self {
+        ToothedTable::Rack(Box::new(rack))
+    }
+}
+
+impl<T> From<T> for OneOrMany<T> {
+    fn from(one: T) -> Self {
+        OneOrMany::One(one)
+    }
+}
+
+/// A value as it stands in the file: `[study]`, `[gears.NAME]`, `[impact.LABEL]` and `[[meshes]]` under headers,
+/// everything else in one line.
 fn with_headers(key: &str, value: Value) -> Item {
-    let fields = |table: InlineTable| {
-        let mut table = table.into_table();
-        table.fmt();
-        table
-    };
-    match value {
-        Value::InlineTable(named) if ["gears", "calibration"].contains(&key) => {
-            let mut all = Table::new();
-            all.set_implicit(true);
-            for (name, value) in named {
-                let item = match value {
-                    Value::InlineTable(labels) if key == "calibration" => {
-                        with_headers("gears", Value::InlineTable(labels))
-                    }
-                    Value::InlineTable(own) => Item::Table(fields(own)),
-                    other => Item::Value(other),
-                };
-                all.insert(&name, item);
-            }
-            Item::Table(all)
+    let named = |named: InlineTable, below: &dyn Fn(Value) -> Item| {
+        let mut all = Table::new();
+        all.set_implicit(true);
+        for (name, value) in named {
+            all.insert(&name, below(value));
         }
-        Value::InlineTable(own) if UNDER_HEADERS.contains(&key) => Item::Table(fields(own)),
-        Value::Array(list) if UNDER_HEADERS.contains(&key) => {
-            let tables = list.into_iter().filter_map(|member| match member {
-                Value::InlineTable(own) => Some(fields(own)),
-                _ => None,
-            });
-            Item::ArrayOfTables(tables.collect::<ArrayOfTables>())
+        Item::Table(all)
+    };
+    let fields = |value: Value| match value {
+        Value::InlineTable(own) => {
+            let mut table = own.into_table();
+            table.fmt();
+            Item::Table(table)
         }
         other => Item::Value(other),
+    };
+    match (key, value) {
+        ("calibration", Value::InlineTable(sets)) => {
+            named(sets, &|labels| with_headers("gears", labels))
+        }
+        ("study", own @ Value::InlineTable(_)) => fields(own),
+        ("reference" | "tolerance", value) => Item::Value(value),
+        (_, Value::InlineTable(all)) => named(all, &fields),
+        (_, Value::Array(list)) => {
+            let tables = list
+                .into_iter()
+                .filter_map(|member| fields(member).into_table().ok());
+            Item::ArrayOfTables(tables.collect::<ArrayOfTables>())
+        }
+        (_, value) => Item::Value(value),
     }
 }

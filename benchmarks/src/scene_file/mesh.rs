@@ -26,14 +26,14 @@ keys! {
     struct MeshTable {
         /// the two names, for example ["pinion", "wheel"]; a rack comes second
         gears: [GearName; 2],
-        /// { flank = "left" or "right", gap_m, path_coordinate_m, loaded = true }
-        start: Option<StartTable>,
         /// distance of the axes (to the reference line of a rack) in metres
         centre_distance_m: Option<Positive>,
         /// normal backlash in metres, from which the centre distance follows
         backlash_m: Option<f64>,
         /// direction from the first gear to the second in degrees, default 0
         direction_deg: Option<Degrees>,
+        /// { flank = "left" or "right", gap_m, path_coordinate_m, loaded = true }
+        start: Option<StartTable>,
     }
 
     /// The start of a mesh.

@@ -12,7 +12,7 @@ use gearbench_integrators::Scheme;
 use gearbench_models::gear::table::Model;
 use gearbench_models::spec::{ContactSpec, ModelSpec, Modelling, Parameters, Value};
 use gearbench_reports::record::Run;
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Serialize, Serializer};
 use std::path::Path;
 
 keys! {
@@ -93,7 +93,7 @@ pub enum GearModelEntry {
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 pub enum ParameterValue {
     /// A number in SI units.
-    #[serde(rename = "<number>")]
+    #[serde(rename = "<number>", serialize_with = "whole_or_decimal")]
     Number(f64),
     /// A word or a path.
     #[serde(rename = "<text>")]
@@ -104,6 +104,63 @@ pub enum ParameterValue {
     /// A truth value.
     #[serde(rename = "<flag>")]
     Flag(bool),
+}
+
+/// Writes whole numbers, such as counts, without a decimal point.
+#[allow(clippy::trivially_copy_pass_by_ref)] // the form that serde calls
+fn whole_or_decimal<S: Serializer>(x: &f64, serializer: S) -> Result<S::Ok, S::Error> {
+    match x.fract() == 0.0 && x.abs() < 1e6 {
+        true => serializer.serialize_i64(*x as i64),
+        false => serializer.serialize_f64(*x),
+    }
+}
+
+impl From<&Value> for ParameterValue {
+    fn from(value: &Value) -> Self {
+        match value {
+            Value::Number(x) => ParameterValue::Number(*x),
+            Value::Text(x) => ParameterValue::Text(x.clone()),
+            Value::List(x) => ParameterValue::List(x.clone()),
+            Value::Flag(x) => ParameterValue::Flag(*x),
+        }
+    }
+}
+
+impl From<&ModelSpec> for GearModelTable {
+    fn from(spec: &ModelSpec) -> Self {
+        let parameters = spec.parameters.iter();
+        let parameters = parameters.map(|(key, value)| (key.clone(), value.into()));
+        GearModelTable {
+            model: ModelId(spec.id.clone()),
+            parameters: OrderedTable(parameters.collect()),
+        }
+    }
+}
+
+impl ModelTable {
+    /// Returns the table of models of gears, given with the names of the gears, and contacts of meshes.
+    pub fn of(label: &str, names: &[&str], modelling: &Modelling) -> Self {
+        let first = &modelling.gears[0];
+        let others = names
+            .iter()
+            .zip(&modelling.gears)
+            .filter(|(_, m)| *m != first);
+        let others = others.map(|(name, m)| ((*name).to_owned(), GearModelEntry::Own(m.into())));
+        let mut contacts: Vec<ContactTable> = modelling.contacts.iter().map(Into::into).collect();
+        let alike = contacts.windows(2).all(|w| w[0] == w[1]);
+        let GearModelTable { model, parameters } = first.into();
+        ModelTable {
+            label: Some(ModelLabel(label.to_owned())),
+            model,
+            parameters,
+            gears: OrderedTable(others.collect()),
+            contact: match alike {
+                true => OneOrMany::One(contacts.swap_remove(0)),
+                false => OneOrMany::Many(contacts),
+            },
+            ..ModelTable::default()
+        }
+    }
 }
 
 /// A model of a scene: models of all gears and contacts, with integrators.

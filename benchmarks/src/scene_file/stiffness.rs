@@ -125,6 +125,74 @@ pub enum HertzWord {
     Rigid,
 }
 
+impl From<&PairStiffness> for StiffnessTable {
+    fn from(stiffness: &PairStiffness) -> Self {
+        match stiffness {
+            PairStiffness::Constant { per_width, of } => StiffnessTable::Constant(ConstantTable {
+                stiffness_n_per_m2: Positive(*per_width),
+                of: *of,
+            }),
+            PairStiffness::Parabola {
+                per_width,
+                along: [path_slope, path_curvature],
+                of,
+            } => StiffnessTable::Parabola(ParabolaTable {
+                stiffness_n_per_m2: Positive(*per_width),
+                path_slope: *path_slope,
+                path_curvature: *path_curvature,
+                of: *of,
+            }),
+            PairStiffness::Iso6336 { variation } => StiffnessTable::Iso6336(IsoTable {
+                variation: *variation,
+            }),
+            PairStiffness::Compliance {
+                tooth,
+                foundation,
+                hertz,
+            } => {
+                let (foundation, root_length) = match *foundation {
+                    Foundation::Ring => (FoundationWord::Ring, None),
+                    Foundation::SainsotVelex(length) => {
+                        let given = Some(length).filter(|l| *l != RootLength::default());
+                        (FoundationWord::SainsotVelex, given)
+                    }
+                    Foundation::WeberBanaschek => (FoundationWord::WeberBanaschek, None),
+                    Foundation::Cornell => (FoundationWord::Cornell, None),
+                    Foundation::Rigid => (FoundationWord::Rigid, None),
+                };
+                let (hertz, reference_load) = match *hertz {
+                    Hertz::Linear => (HertzWord::Linear, None),
+                    Hertz::Log { reference_load } => (HertzWord::Log, reference_load),
+                    Hertz::WeberBanaschek { reference_load } => {
+                        (HertzWord::WeberBanaschek, reference_load)
+                    }
+                    Hertz::Rigid => (HertzWord::Rigid, None),
+                };
+                StiffnessTable::Compliance(ComplianceTable {
+                    tooth: Some(*tooth),
+                    foundation,
+                    root_length,
+                    hertz,
+                    reference_load_n: reference_load.map(Positive),
+                })
+            }
+            PairStiffness::Table {
+                s,
+                k,
+                of,
+                ends,
+                interpolation,
+            } => StiffnessTable::Table(TabulatedTable {
+                path_coordinate_m: s.clone(),
+                stiffness_n_per_m: k.clone(),
+                of: *of,
+                ends: *ends,
+                interpolation: *interpolation,
+            }),
+        }
+    }
+}
+
 /// Reads the stiffness of a contact.
 pub(super) fn stiffness(
     keys: &StiffnessTable,

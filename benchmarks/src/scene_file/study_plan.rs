@@ -81,6 +81,20 @@ keys! {
     }
 }
 
+impl From<&Scheme> for IntegratorTable {
+    fn from(scheme: &Scheme) -> Self {
+        let (step_s, rtol) = match scheme.resolution {
+            Resolution::Step(h) => (Some(Positive(h)), None),
+            Resolution::Tolerance(r) => (None, Some(Share(r))),
+        };
+        IntegratorTable {
+            method: Method(scheme.method),
+            step_s,
+            rtol,
+        }
+    }
+}
+
 /// A limit of the default metric, or metric, limit and reference.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 pub enum ToleranceChoice {

@@ -149,13 +149,13 @@ fn sound(p: &Parameters) -> Result<Result<(String, SceneFile), &'static str>, Sa
     let file = format!("{}-{}.toml", p.set, p.number);
     let parse =
         |text: &str| SceneFile::unbuilt(&Context::default(), &file, text, Origin::Shipped, false);
-    let unplaced = parse(&text::scene(p, None, p.window))?;
+    let unplaced = parse(&text::scene(p, None, p.window)?)?;
     let [a, b] = [0, 1].map(|i| &unplaced.spec.gears[i]);
     let [start, end] = mesh_layout(a, b)?.path;
     let margin = PATH_MARGIN * (end - start);
     let path = start + margin + p.place * (end - start - 2.0 * margin);
 
-    let scene = parse(&text::scene(p, Some(path), p.window))?;
+    let scene = parse(&text::scene(p, Some(path), p.window)?)?;
     let (peak, contacts) = rigid::contacts(&scene, p.contact_time)?;
     if peak.is_nan() || peak > BEARABLE * p.toothing.width * p.toothing.module {
         return Ok(Err("the teeth are overloaded"));
@@ -190,7 +190,7 @@ fn sound(p: &Parameters) -> Result<Result<(String, SceneFile), &'static str>, Sa
     if duration > LONGEST {
         return Ok(Err("it takes too long"));
     }
-    let text = text::scene(p, Some(path), duration);
+    let text = text::scene(p, Some(path), duration)?;
     let scene = parse(&text)?;
     Ok(Ok((text, scene)))
 }

@@ -73,6 +73,8 @@ pub enum SampleError {
     /// The list of sets cannot be read.
     #[error("validation/sets.toml: {0}")]
     Sets(String),
+    #[error(transparent)]
+    Write(#[from] gearbench::scene_file::format::WriteError),
     /// No valid sample was found.
     #[error("scene {number} of `{set}`: none of {MOST_SAMPLES} samples is sound; the last: {last}")]
     Unsound {

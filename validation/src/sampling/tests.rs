@@ -149,7 +149,7 @@ fn every_toothing_is_built() {
         p.speed = [1.0, 0.0];
         for second in [Second::Free, Second::Fixed] {
             p.second = second;
-            let text = text::scene(&p, None, 1e-4);
+            let text = text::scene(&p, None, 1e-4).unwrap();
             let file = SceneFile::unbuilt(
                 &Context::default(),
                 "sample.toml",

@@ -23,7 +23,8 @@ pub(crate) fn to_value(value: &impl Serialize) -> Result<Option<Value>, WriteErr
     value.serialize(Writer)
 }
 
-/// A number in the shortest form that reads back to it.
+/// A number in the shortest form that reads back to it; one that is not finite is written as such, and refused by the
+/// reader with its line.
 pub(crate) fn number(x: f64) -> Value {
     let short = match x.abs() {
         0.0 => return Value::from(0.0),
@@ -137,10 +138,7 @@ impl Serializer for Writer {
     }
 
     fn serialize_f64(self, x: f64) -> Written {
-        match x.is_finite() {
-            true => Ok(Some(number(x))),
-            false => Err(WriteError::custom(format!("{x} is not a finite number"))),
-        }
+        Ok(Some(number(x)))
     }
 
     fn serialize_char(self, x: char) -> Written {

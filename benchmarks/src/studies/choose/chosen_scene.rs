@@ -1,13 +1,11 @@
 //! Scene file of a choice: the gears and meshes of the original scene, one model, one integrator.
 
 use super::plan::Candidate;
+use crate::scene_file::format::{
+    Count, IntegratorTable, ModelTable, StudyTable, WriteError, insert,
+};
 use crate::scene_file::{Origin, SceneError, SceneFile};
-use gearbench_integrators::Resolution;
-use gearbench_models::law::{Damping, Friction, FrictionForm};
-use gearbench_models::spec::{ContactSpec, LocalContact, PointContact, PointRule};
-use gearbench_models::stiffness::{Foundation, Hertz, PairStiffness};
-use serde::Serialize;
-use serde_json::{Value as Json, json};
+use gearbench_models::spec::SceneSpec;
 use toml_edit::{DocumentMut, Item, TableLike, TomlError};
 
 /// Tables and keys that a choice replaces. The tolerance may refer to a model that is gone.
@@ -33,8 +31,11 @@ pub fn text(
 /// The scene with a choice.
 fn written(file: &SceneFile, candidate: &Candidate) -> Result<String, SceneError> {
     let kept = placed(&scene_without_choice(file.text())?, file)?;
-    let (model, study) = (model(file, candidate), study(file, candidate));
-    Ok(format!("{}\n\n{model}{study}", kept.trim_end()))
+    let mut document = parsed(&format!("{}\n", kept.trim_end()))?;
+    let failed = |e: WriteError| SceneError::plain(e.to_string(), "choose with other limits");
+    insert(&mut document, "models", &vec![model(file, candidate)]).map_err(failed)?;
+    insert(&mut document, "study", &study(file, candidate)).map_err(failed)?;
+    Ok(document.to_string())
 }
 
 fn parsed(text: &str) -> Result<DocumentMut, SceneError> {
@@ -84,210 +85,24 @@ fn scene_without_choice(text: &str) -> Result<String, SceneError> {
     Ok(document.to_string())
 }
 
-fn number(x: f64) -> String {
-    // Ten digits are enough for anything that was found; whole numbers stay as they are.
-    if x.fract() == 0.0 && x.abs() < 1e6 {
-        return format!("{x:.0}");
-    }
-    let short: f64 = format!("{x:.9e}").parse().unwrap_or(x);
-    format!("{short:e}")
-}
-
-fn quote(text: &str) -> String {
-    toml_edit::Value::from(text).to_string()
-}
-
-/// A value as TOML has it in a line; nothing is left out of tables.
-fn inline(value: &Json) -> String {
-    match value {
-        Json::Number(x) => x.as_f64().map_or_else(String::new, number),
-        Json::String(x) => quote(x),
-        Json::Array(all) => {
-            let all: Vec<String> = all.iter().map(inline).collect();
-            format!("[{}]", all.join(", "))
-        }
-        Json::Object(all) => {
-            let given = all.iter().filter(|(_, value)| !value.is_null());
-            let pairs = given.map(|(key, value)| format!("{key} = {}", inline(value)));
-            format!("{{ {} }}", pairs.collect::<Vec<_>>().join(", "))
-        }
-        other => other.to_string(),
+/// The table of the chosen model.
+fn model(file: &SceneFile, candidate: &Candidate) -> ModelTable {
+    let names: Vec<&str> = file.spec.gears.iter().map(|g| g.name.as_str()).collect();
+    let gap = |scene: &SceneSpec| scene.meshes.first().map(|m| m.start.gap);
+    let own = gap(&candidate.scene).filter(|own| Some(*own) != gap(&file.spec));
+    ModelTable {
+        gap_m: own,
+        ..ModelTable::of("chosen", &names, &candidate.modelling)
     }
 }
 
-fn model(file: &SceneFile, candidate: &Candidate) -> String {
-    let modelling = &candidate.modelling;
-    let first = &modelling.gears[0];
-    let others: serde_json::Map<String, Json> = (file.spec.gears.iter().zip(&modelling.gears))
-        .filter(|(_, m)| *m != first)
-        .map(|(g, m)| {
-            let own = json!({ "model": m.id, "parameters": m.parameters });
-            (g.name.clone(), own)
-        })
-        .collect();
-    let contacts: Vec<Json> = modelling.contacts.iter().map(contact).collect();
-    let alike = contacts.windows(2).all(|w| w[0] == w[1]);
-    let gap = candidate.scene.meshes.first().map(|m| m.start.gap);
-    let plain = file.spec.meshes.first().map(|m| m.start.gap);
-    let rows = [
-        ("label", json!("chosen")),
-        ("model", json!(first.id)),
-        ("parameters", json!(first.parameters)),
-        ("gears", Json::Object(others)),
-        (
-            "contact",
-            match contacts.first() {
-                Some(one) if alike => one.clone(),
-                _ => Json::Array(contacts),
-            },
-        ),
-        ("gap_m", json!(gap.filter(|_| gap != plain))),
-    ];
-    let empty = |value: &Json| value.is_null() || value.as_object().is_some_and(|o| o.is_empty());
-    let mut out = "[[models]]\n".to_owned();
-    for (key, value) in rows.iter().filter(|(_, value)| !empty(value)) {
-        out.push_str(&format!("{key} = {}\n", inline(value)));
+/// The table `[study]` with the chosen integrator.
+fn study(file: &SceneFile, candidate: &Candidate) -> StudyTable {
+    StudyTable {
+        integrators: Some(vec![IntegratorTable::from(&candidate.method)]),
+        samples: Some(Count(file.study.samples)),
+        ..StudyTable::default()
     }
-    out
-}
-
-/// Returns a value as JSON, or null if it is the default of scenes.
-fn given<T: Default + PartialEq + Serialize>(value: &T) -> Json {
-    match *value == T::default() {
-        true => Json::Null,
-        false => json!(value),
-    }
-}
-
-fn contact(c: &ContactSpec) -> Json {
-    let points = c.points.as_ref();
-    let penalty = match points.map(|p| p.rule) {
-        Some(PointRule::EachNode) => "penalty_n_per_m",
-        _ => "penalty_pa_per_m",
-    };
-    let rule = |p: &PointContact| match p.rule {
-        PointRule::Nodes => Some(json!("nodes")),
-        _ if !p.has_penalty() => None,
-        PointRule::EachNode => Some(json!("nodes")),
-        PointRule::Quadrature { along, across } => {
-            Some(json!({ "along": along, "across": across }))
-        }
-    };
-    let law = c.damping.id();
-    let damping = match c.damping {
-        Damping::None => Json::Null,
-        Damping::KelvinVoigt { c } | Damping::KelvinVoigtBounded { c } => {
-            json!({ "law": law, "damping_ns_per_m": c })
-        }
-        Damping::KelvinVoigtRatio { ratio } | Damping::RatioAtLoad { ratio } => {
-            json!({ "law": law, "ratio": ratio })
-        }
-        Damping::HuntCrossley { e }
-        | Damping::LankaraniNikravesh { e }
-        | Damping::Flores { e }
-        | Damping::Gonthier { e } => json!({ "law": law, "e": e }),
-    };
-    json!({
-        "law": points.filter(|p| p.hard).map(|_| "hard"),
-        "local": points.and_then(|p| (p.local == LocalContact::HalfSpace).then_some("half-space")),
-        (penalty): points.filter(|p| p.has_penalty()).map(|p| p.penalty),
-        "points": points.and_then(rule),
-        "surface": points.map(|p| given(&p.surface)),
-        "passes": points.map(|p| given(&p.passes)),
-        "damping_ns_per_m3": points.map(|p| given(&p.damping)),
-        "reach_m": points.and_then(|p| p.reach),
-        "stiffness": stiffness(&c.stiffness),
-        "exponent": Some(c.exponent).filter(|x| *x != 1.0),
-        "damping": damping,
-        "friction": c.friction.as_ref().map(friction),
-        "slices": c.slices,
-    })
-}
-
-fn friction(f: &Friction) -> Json {
-    let (form, value) = match f.form() {
-        FrictionForm::Regularised(v) => ("v_ref_m_s", v),
-        FrictionForm::StickSlip(l) => ("stick_m", l),
-    };
-    match f.film() {
-        None => json!({ "mu": f.mu(), form: value }),
-        Some(film) => json!({
-            "film": {
-                "viscosity_pa_s": film.viscosity,
-                "roughness_m": film.roughness,
-                "lubricant_factor": film.lubricant,
-            },
-            form: value,
-        }),
-    }
-}
-
-fn stiffness(s: &PairStiffness) -> Json {
-    match s {
-        PairStiffness::Constant { per_width, of } => {
-            json!({ "kind": "constant", "stiffness_n_per_m2": per_width, "of": given(of) })
-        }
-        PairStiffness::Parabola {
-            per_width,
-            along: [slope, curvature],
-            of,
-        } => json!({
-            "kind": "parabola",
-            "stiffness_n_per_m2": per_width,
-            "path_slope": slope,
-            "path_curvature": curvature,
-            "of": given(of),
-        }),
-        PairStiffness::Iso6336 { variation } => {
-            json!({ "kind": "iso6336", "variation": variation })
-        }
-        PairStiffness::Compliance {
-            tooth,
-            foundation,
-            hertz,
-        } => json!({
-            "kind": "compliance",
-            "tooth": tooth.id(),
-            "foundation": foundation.id(),
-            "root_length": match foundation {
-                Foundation::SainsotVelex(root) => given(root),
-                _ => Json::Null,
-            },
-            "hertz": hertz.id(),
-            "reference_load_n": match hertz {
-                Hertz::Log { reference_load } | Hertz::WeberBanaschek { reference_load } => {
-                    *reference_load
-                }
-                Hertz::Linear | Hertz::Rigid => None,
-            },
-        }),
-        PairStiffness::Table {
-            s,
-            k,
-            of,
-            ends,
-            interpolation,
-        } => json!({
-            "kind": "table",
-            "path_coordinate_m": s,
-            "stiffness_n_per_m": k,
-            "of": given(of),
-            "ends": given(ends),
-            "interpolation": given(interpolation),
-        }),
-    }
-}
-
-fn study(file: &SceneFile, candidate: &Candidate) -> String {
-    let resolution = match candidate.method.resolution {
-        Resolution::Step(h) => format!("step_s = {}", number(h)),
-        Resolution::Tolerance(r) => format!("rtol = {}", number(r)),
-    };
-    format!(
-        "\n[study]\nintegrators = [{{ method = {}, {resolution} }}]\nsamples = {}\n",
-        quote(&candidate.method.method.to_string()),
-        file.study.samples
-    )
 }
 
 #[cfg(test)]
@@ -388,14 +203,6 @@ mod tests {
                 assert_eq!(read.models.len(), 1, "{first}");
                 assert_eq!(write(&read, &read.models[0]), first);
             }
-        }
-    }
-
-    #[test]
-    fn numbers_read_back() {
-        for x in [1e15, 2.5e-7, 60.0, 0.0, 1.234567891e-3, 12.0] {
-            let back: f64 = number(x).parse().unwrap();
-            assert!((back - x).abs() <= 1e-9 * x.abs(), "{x}");
         }
     }
 }

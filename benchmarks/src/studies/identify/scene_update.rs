@@ -16,10 +16,11 @@ use super::plan::apply;
 use crate::cli::files::write_whole;
 use crate::cli::terminal::Refusal;
 use crate::scene_file::calibration::{Constants, of_gear};
-use crate::scene_file::changes::{inner, number, set};
+use crate::scene_file::changes::{inner, set};
+use crate::scene_file::format::{DampingTable, StiffnessTable, number, to_value};
 use crate::scene_file::{ModelChoice, Origin, SceneFile};
 use gearbench_models::law::Damping;
-use gearbench_models::stiffness::{PairOrMesh, PairStiffness};
+use gearbench_models::stiffness::PairStiffness;
 use gearbench_reference::files;
 use std::path::PathBuf;
 use toml_edit::{DocumentMut, InlineTable, Item, TableLike, Value};
@@ -174,11 +175,8 @@ fn change(model: &mut dyn TableLike, scene: &SceneFile, w: &FittedConstants<'_>)
         if stiffness {
             set(table, "stiffness", stiffness_of(&spec.stiffness)?);
         }
-        if let (Some(_), Damping::KelvinVoigt { c }) = (w.constants.damping, spec.damping) {
-            let mut law = InlineTable::new();
-            law.insert("law", "kelvin-voigt".into());
-            law.insert("damping_ns_per_m", number(c)?);
-            set(table, "damping", law.into());
+        if let (Some(_), law @ Damping::KelvinVoigt { .. }) = (w.constants.damping, spec.damping) {
+            set(table, "damping", to_value(&DampingTable::from(law)).ok()??);
         }
         Some(())
     };
@@ -195,7 +193,7 @@ fn change(model: &mut dyn TableLike, scene: &SceneFile, w: &FittedConstants<'_>)
     }
     tidy(model, "contact");
     if let Some(gap) = w.constants.gap {
-        set(model, "gap_m", number(gap)?);
+        set(model, "gap_m", number(gap));
     }
     parameters(model, scene, w)?;
     Some(kept)
@@ -211,7 +209,7 @@ fn parameters(model: &mut dyn TableLike, scene: &SceneFile, w: &FittedConstants<
     if !common.is_empty() {
         let table = inner(model, "parameters")?;
         for (key, x) in &common {
-            set(table, key, number(*x)?);
+            set(table, key, number(*x));
         }
         tidy(model, "parameters");
     }
@@ -245,7 +243,7 @@ fn parameters(model: &mut dyn TableLike, scene: &SceneFile, w: &FittedConstants<
         let entry = gears.get_mut(&gear.name)?.as_table_like_mut()?;
         let table = inner(entry, "parameters")?;
         for (key, x) in common.iter().filter(|_| has_own).chain(&own) {
-            set(table, key, number(*x)?);
+            set(table, key, number(*x));
         }
         tidy(entry, "parameters");
         tidy(gears, &gear.name);
@@ -264,29 +262,12 @@ fn tidy(table: &mut dyn TableLike, key: &str) {
     }
 }
 
-/// A stiffness as scenes have it.
+/// A constant stiffness or a parabola as the scene has it.
 fn stiffness_of(stiffness: &PairStiffness) -> Option<Value> {
-    let (kind, per_width, along, of) = match stiffness {
-        PairStiffness::Constant { per_width, of } => ("constant", per_width, None, of),
-        PairStiffness::Parabola {
-            per_width,
-            along,
-            of,
-        } => ("parabola", per_width, Some(along), of),
-        _ => return None,
-    };
-    let mut table = InlineTable::new();
-    table.insert("kind", kind.into());
-    table.insert("stiffness_n_per_m2", number(*per_width)?);
-    let [slope, curvature] = along.copied().unwrap_or_default();
-    for (key, x) in [("path_slope", slope), ("path_curvature", curvature)] {
-        // Nothing is what scenes take where none is given.
-        if x != 0.0 {
-            table.insert(key, number(x)?);
+    match stiffness {
+        PairStiffness::Constant { .. } | PairStiffness::Parabola { .. } => {
+            to_value(&StiffnessTable::from(stiffness)).ok()?
         }
+        _ => None,
     }
-    if *of == PairOrMesh::Mesh {
-        table.insert("of", "mesh".into());
-    }
-    Some(table.into())
 }

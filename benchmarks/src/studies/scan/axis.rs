@@ -9,7 +9,7 @@
 //! ```
 
 use crate::experiment::conditions::logarithmic;
-use crate::scene_file::changes;
+use crate::scene_file::format::number;
 use statrs::distribution::{ContinuousCDF, Normal, Triangular};
 use std::fmt;
 use toml_edit::Value;
@@ -212,11 +212,6 @@ fn value(text: &str) -> Value {
         .unwrap_or_else(|| text.into())
 }
 
-/// A number in TOML with all its digits.
-fn number(x: f64) -> Value {
-    changes::number(x).unwrap_or_else(|| x.into())
-}
-
 /// Values of `FROM..TO:N` and `FROM..TO:N:log`; `None` for other texts.
 fn range(text: &str) -> Result<Option<Vec<f64>>, String> {
     let Some((from, rest)) = text.split_once("..") else {
@@ -377,7 +372,7 @@ mod tests {
 
     #[test]
     fn values_are_listed_ranged_or_joined() {
-        assert_eq!(listed("a.b=1,2.5,1e-6"), ["1", "2.5e0", "1e-6"]);
+        assert_eq!(listed("a.b=1,2.5,1e-6"), ["1", "2.5", "1e-6"]);
         assert_eq!(
             listed("a=hertz,\"x,y\",true"),
             ["\"hertz\"", "\"x,y\"", "true"]
