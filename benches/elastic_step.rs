@@ -35,7 +35,7 @@ fn scene(modes: f64, surface: &str) -> (Scene, f64) {
             set("step_s", Value::Number(2e-7));
         }
         for contact in &mut modelling.contacts {
-            if let Some(points) = &mut contact.points
+            if let Some(points) = contact.flanks.points_mut()
                 && surface == "smooth"
             {
                 points.surface = gearbench_models::spec::SurfaceKind::Smooth;

@@ -12,7 +12,7 @@ use gearbench::scene_file::SceneFile;
 use gearbench_integrators::observers::recorder::Recorder;
 use gearbench_integrators::{NullSink, Resolution, StepError, TimePlan, Work};
 use gearbench_models::scene::{Channel, OfGear, OfMesh, Scene};
-use gearbench_models::spec::{PointContact, PointRule};
+use gearbench_models::spec::{FlankContact, PointContact, PointRule};
 use serde_json::json;
 use std::time::Duration;
 use support::ratio::{by_turns, ratios};
@@ -101,22 +101,22 @@ fn cheapest(scene: &mut Scene, end: f64) -> Option<RunResult> {
 /// contact.
 fn elastic(file: &SceneFile) -> Vec<(&'static str, RunResult)> {
     let kinds = [
-        ("elastic, half-spaces", PointContact::half_space()),
+        ("elastic, half-spaces", FlankContact::HalfSpace),
         (
             "elastic, elements",
-            PointContact {
+            FlankContact::Points(PointContact {
                 rule: PointRule::Quadrature {
                     along: 3,
                     across: 1,
                 },
                 ..PointContact::new(1e15)
-            },
+            }),
         ),
     ];
-    let within = |points: PointContact| {
+    let within = |flanks: FlankContact| {
         let mut scene = changed(file, "elastic", |modelling| {
             for contact in &mut modelling.contacts {
-                contact.points = Some(points);
+                contact.flanks = flanks;
             }
         });
         let id = "trigonometric";

@@ -5,8 +5,8 @@ use gearbench_models::geometry::{Gear, GearParams, Pair, Side};
 use gearbench_models::law::Damping;
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{
-    Body, ContactSpec, GearSpec, MeshSpec, ModelSpec, Modelling, Mount, Parameters, SceneSpec,
-    Start, UPRIGHT,
+    Body, ContactSpec, FlankContact, GearSpec, MeshSpec, ModelSpec, Modelling, Mount, Parameters,
+    SceneSpec, Start, UPRIGHT,
 };
 use gearbench_models::stiffness::{Material, PairOrMesh, PairStiffness};
 use std::f64::consts::PI;
@@ -129,7 +129,7 @@ impl Problem {
                 damping: Damping::KelvinVoigtRatio { ratio: RATIO },
                 friction: None,
                 slices: None,
-                points: None,
+                flanks: FlankContact::Toothing,
             }],
         };
         Scene::build(&spec, &modelling, MODELS).unwrap()

@@ -18,8 +18,8 @@ use gearbench_models::geometry::{Gear, GearParams, Side};
 use gearbench_models::law::Damping;
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{
-    Body, ContactSpec, GearSpec, MeshSpec, ModelSpec, Modelling, Mount, Passes, PointContact,
-    SceneSpec, Start, UPRIGHT, Value,
+    Body, ContactSpec, FlankContact, GearSpec, MeshSpec, ModelSpec, Modelling, Mount, Passes,
+    PointContact, SceneSpec, Start, UPRIGHT, Value,
 };
 use gearbench_models::stiffness::{Material, PairOrMesh, PairStiffness};
 use gearbench_reference::MODELS;
@@ -143,7 +143,7 @@ fn write(path: &Path, gear: &Gear, flank: usize, width: usize) -> Result<(), Fai
     Ok(file.flush()?)
 }
 
-fn run(mesh: &str, points: PointContact, folder: &Path) -> Result<Vec<f64>, Failed> {
+fn run(mesh: &str, flanks: FlankContact, folder: &Path) -> Result<Vec<f64>, Failed> {
     let gear = |(i, gear)| GearSpec {
         name: format!("gear {}", i + 1),
         body: Body::Gear(gear),
@@ -183,7 +183,7 @@ fn run(mesh: &str, points: PointContact, folder: &Path) -> Result<Vec<f64>, Fail
             damping: Damping::None,
             friction: None,
             slices: None,
-            points: Some(points),
+            flanks,
         }],
     };
     let mut scene = Scene::build(&spec, &modelling, MODELS)?;
@@ -203,18 +203,18 @@ fn main() -> Result<(), Failed> {
         "mesh, peak [N], impulse [mN s], from the first: peak %, impulse %, force L2 %, seconds"
     );
     let mut meshes: Vec<String> = std::env::args().skip(1).collect();
-    let points = if meshes.first().is_some_and(|m| m == "half-spaces") {
+    let flanks = if meshes.first().is_some_and(|m| m == "half-spaces") {
         meshes.remove(0);
-        PointContact::half_space()
+        FlankContact::HalfSpace
     } else {
-        PointContact {
+        FlankContact::Points(PointContact {
             passes: Passes::First,
             ..PointContact::new(1e15)
-        }
+        })
     };
     for mesh in meshes {
         let start = std::time::Instant::now();
-        let force = run(&mesh, points, &folder)?;
+        let force = run(&mesh, flanks, &folder)?;
         let peak = |f: &[f64]| f.iter().copied().fold(0.0, f64::max);
         let impulse = |f: &[f64]| TIMES[0] * f.iter().sum::<f64>();
         let against = first.get_or_insert_with(|| force.clone());

@@ -73,7 +73,7 @@ fn case_a(rule: PointRule, passes: Passes) -> LoadedPair {
         per_width: 1.4e10,
         of: PairOrMesh::Pair,
     };
-    let modelling = modelling(fe, stiffness, Some(points));
+    let modelling = modelling(fe, stiffness, points.into());
     LoadedPair::new(&spec, &modelling, MODELS).unwrap()
 }
 

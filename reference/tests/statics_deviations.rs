@@ -7,7 +7,7 @@ use gearbench_models::gear::table::MODELS as RIGID;
 use gearbench_models::geometry::{
     Deviations, FlankDeviations, Gear, GearParams, GivenDeviations, Side,
 };
-use gearbench_models::spec::{ModelSpec, PointContact, PointRule, Value};
+use gearbench_models::spec::{FlankContact, ModelSpec, PointContact, PointRule, Value};
 use gearbench_models::stiffness::{Material, PairOrMesh, PairStiffness};
 use gearbench_reference::MODELS;
 use gearbench_reference::statics::LoadedPair;
@@ -59,7 +59,14 @@ fn pair(model: &str, gears: [Gear; 2]) -> LoadedPair {
         },
         ..PointContact::new(1e15)
     };
-    let modelling = modelling(model, stiffness, (!rigid).then_some(points));
+    let modelling = modelling(
+        model,
+        stiffness,
+        match rigid {
+            true => FlankContact::Toothing,
+            false => points.into(),
+        },
+    );
     let models = if rigid { RIGID } else { MODELS };
     LoadedPair::new(&spec, &modelling, models).unwrap()
 }

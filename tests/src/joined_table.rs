@@ -4,7 +4,9 @@ use crate::{case_a, contact, elastic_toy, elastic_web, flank_test_gears, nodal_t
 use gearbench::context::Context;
 use gearbench_models::gear::table::{MODELS, Model};
 use gearbench_models::scene::Scene;
-use gearbench_models::spec::{ContactSpec, ModelSpec, Modelling, Parameters, PointContact, Value};
+use gearbench_models::spec::{
+    ContactSpec, FlankContact, ModelSpec, Modelling, Parameters, PointContact, Value,
+};
 
 /// Returns all models: the table of the crate and the example.
 pub fn models() -> Vec<Model> {
@@ -144,7 +146,7 @@ pub fn subjects() -> Vec<Subject> {
         for (name, spec) in std::iter::once(plain).chain(variants) {
             let pairs = contact(usual_stiffness(model));
             let points = ContactSpec {
-                points: Some(PointContact::new(1e15)),
+                flanks: FlankContact::Points(PointContact::new(1e15)),
                 ..contact(1.5e10)
             };
             let flanks = of_flanks(&spec, &pairs);

@@ -6,7 +6,8 @@ use gearbench_models::geometry::{Gear, GearParams, Rack, RackParams, Side};
 use gearbench_models::law::Damping;
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{
-    Body, ContactSpec, GearSpec, MeshSpec, ModelSpec, Modelling, Mount, SceneSpec, Start, UPRIGHT,
+    Body, ContactSpec, FlankContact, GearSpec, MeshSpec, ModelSpec, Modelling, Mount, SceneSpec,
+    Start, UPRIGHT,
 };
 use gearbench_models::stiffness::{
     Foundation, Hertz, Material, PairOrMesh, PairStiffness, ToothModel,
@@ -153,7 +154,7 @@ pub fn contact(per_width: f64) -> ContactSpec {
         damping: Damping::None,
         friction: None,
         slices: None,
-        points: None,
+        flanks: FlankContact::Toothing,
     }
 }
 

@@ -47,7 +47,7 @@ pub fn flank_loads(
     let mut all = Vec::new();
     for (m, mesh) in spec.meshes.iter().enumerate() {
         let [a, b] = mesh.gears.map(|i| &spec.gears[i]);
-        let points = modelling.contacts.get(m).and_then(|c| c.points);
+        let points = modelling.contacts.get(m).and_then(|c| c.flanks.points());
         let alike = points.is_some_and(|p| p.rule == PointRule::EachNode);
         let (Body::Gear(gear), Ok(layout), false) = (&a.body, mesh_layout(a, b), alike) else {
             continue;

@@ -1,7 +1,7 @@
 //! Model and contact parameters of a run for its record.
 
 use gearbench_models::spec::{
-    ContactSpec, LocalContact, Modelling, PointContact, PointRule, SceneSpec,
+    ContactSpec, FlankContact, Modelling, PointContact, PointRule, SceneSpec,
 };
 use gearbench_models::stiffness::PairStiffness;
 use serde_json::Value;
@@ -33,7 +33,7 @@ pub fn parameters(
 /// Numeric parameters of a contact, under the keys of scenes.
 fn numbers(contact: &ContactSpec, gap: f64) -> impl Iterator<Item = (&'static str, f64)> {
     let pair = match contact.stiffness {
-        _ if contact.points.is_some() => None,
+        _ if contact.flanks != FlankContact::Toothing => None,
         PairStiffness::Constant { per_width, .. } => Some((per_width, None)),
         PairStiffness::Parabola {
             per_width, along, ..
@@ -41,9 +41,9 @@ fn numbers(contact: &ContactSpec, gap: f64) -> impl Iterator<Item = (&'static st
         _ => None,
     };
     let along = pair.and_then(|p| p.1);
-    let penalty = contact.points.filter(PointContact::has_penalty);
-    let mesh = |p: &PointContact| p.local == LocalContact::Mesh;
-    let key = match penalty.map(|p| p.rule) {
+    let points = contact.flanks.points();
+    let penalty = points.and_then(PointContact::penalty);
+    let key = match points.map(|p| p.rule) {
         Some(PointRule::EachNode) => "penalty_n_per_m",
         _ => "penalty_pa_per_m",
     };
@@ -53,10 +53,10 @@ fn numbers(contact: &ContactSpec, gap: f64) -> impl Iterator<Item = (&'static st
         ("stiffness_n_per_m2", pair.map(|p| p.0)),
         ("path_slope", along.map(|a| a[0])),
         ("path_curvature", along.map(|a| a[1])),
-        (key, penalty.map(|p| p.penalty)),
+        (key, penalty.map(|[stiffness, _]| stiffness)),
         (
             "damping_ns_per_m3",
-            contact.points.filter(mesh).map(|p| p.damping),
+            points.map(|_| penalty.map_or(0.0, |[_, dashpot]| dashpot)),
         ),
     ]
     .into_iter()

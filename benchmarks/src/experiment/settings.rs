@@ -4,9 +4,10 @@ use super::shaft_text::{guide_text, shaft_text};
 use crate::scene_file::{ModelChoice, SceneFile, formula_limits};
 use gearbench_integrators::Resolution;
 use gearbench_models::geometry::Pair;
+use gearbench_models::law::Damping;
 use gearbench_models::spec::{
-    Body, ContactSpec, GearSpec, Load, LocalContact, ModelSpec, Mount, PointRule, Profile,
-    SpinTerms, SurfaceKind, Value, mesh_layout,
+    Body, ContactSpec, FlankContact, GearSpec, Load, ModelSpec, Mount, PointLaw, PointRule,
+    Profile, SpinTerms, SurfaceKind, Value, mesh_layout,
 };
 use gearbench_reports::numbers::short;
 
@@ -275,7 +276,7 @@ fn model_text(scene: &SceneFile, choice: &ModelChoice) -> String {
             "gap at the start {} um",
             short(mesh.start.gap * 1e6, 4)
         ));
-        if contact.points.is_none() {
+        if contact.flanks == FlankContact::Toothing {
             let limits = formula_limits(&spec, mesh.gears, contact);
             parts.extend(limits.into_iter().map(|w| format!("note: {w}")));
         }
@@ -302,19 +303,22 @@ fn contact_text(contact: &ContactSpec) -> String {
         1.0 => "linear".into(),
         n => format!("exponent {}", short(n, 4)),
     };
-    let Some(points) = &contact.points else {
-        return format!(
-            "contact: {}; law {exponent}, damping {}",
-            contact.stiffness.describe(),
-            contact.damping.id()
-        );
+    let points = match &contact.flanks {
+        FlankContact::Toothing => {
+            return format!(
+                "contact: {}; law {exponent}, damping {}",
+                contact.stiffness.describe(),
+                contact.damping.id()
+            );
+        }
+        FlankContact::HalfSpace => {
+            return format!(
+                "contact: Hertz's half-spaces along lines of the flanks, damping {}",
+                contact.damping.id()
+            );
+        }
+        FlankContact::Points(points) => points,
     };
-    if points.local == LocalContact::HalfSpace {
-        return format!(
-            "contact: Hertz's half-spaces along lines of the flanks, damping {}",
-            contact.damping.id()
-        );
-    }
     let rule = match points.rule {
         PointRule::Quadrature { along, across } => {
             format!("{along} x {across} quadrature points per face")
@@ -322,16 +326,21 @@ fn contact_text(contact: &ContactSpec) -> String {
         PointRule::Nodes => "nodes with their areas".into(),
         PointRule::EachNode => "single nodes".into(),
     };
-    let law = match (points.hard, points.rule) {
-        (true, _) => "hard, no penalty".to_owned(),
-        (_, PointRule::EachNode) => {
-            format!("penalty {:e} N/m per node, {exponent}", points.penalty)
+    let law = match (points.law, points.rule) {
+        (PointLaw::Hard, _) => "hard, no penalty".to_owned(),
+        (PointLaw::Penalty { stiffness, .. }, PointRule::EachNode) => {
+            format!("penalty {stiffness:e} N/m per node, {exponent}")
         }
-        _ => format!("penalty {:e} Pa/m, {exponent}", points.penalty),
+        (PointLaw::Penalty { stiffness, .. }, _) => {
+            format!("penalty {stiffness:e} Pa/m, {exponent}")
+        }
     };
-    let damping = match points.damping {
-        0.0 => "no dashpot".to_owned(),
-        c => format!("dashpot {c:e} N s/m^3"),
+    let damping = match (points.penalty(), contact.damping) {
+        (Some([_, dashpot]), Damping::None) if dashpot != 0.0 => {
+            format!("dashpot {dashpot:e} N s/m^3")
+        }
+        (_, Damping::None) => "no dashpot".to_owned(),
+        (_, law) => format!("damping {}", law.id()),
     };
     let surface = match points.surface {
         SurfaceKind::Faceted => "faceted",

@@ -6,7 +6,7 @@
 //! contact = { penalty_pa_per_m = 1e15, points = { along = 8, across = 2 }, surface = "smooth" }
 //! ```
 
-use super::contact_points::{PointLaw, PointsChoice, of_points, points};
+use super::contact_points::{LawWord, LocalContact, PointsChoice, flanks, of_flanks};
 use super::error::SceneError;
 use super::reading::Place;
 use super::reading::keys::keys;
@@ -14,7 +14,7 @@ use super::reading::values::{Count, is_default};
 use super::stiffness::{StiffnessTable, stiffness};
 use gearbench_models::error::Reason;
 use gearbench_models::law::{Damping, Film, Friction, FrictionForm, Law, LawError};
-use gearbench_models::spec::{ContactSpec, LocalContact, Passes, SurfaceKind};
+use gearbench_models::spec::{ContactSpec, FlankContact, Passes, SurfaceKind};
 use gearbench_models::stiffness::{IsoVariation, PairStiffness};
 use serde::{Deserialize, Serialize};
 
@@ -39,7 +39,7 @@ keys! {
         /// 3.5e7
         penalty_n_per_m: Option<f64>,
         /// of flank points: "penalty" (default), or "hard": no penalty, for elastic gears with residual compliance
-        law: Option<PointLaw>,
+        law: Option<LawWord>,
         /// compliance next to the contact: "mesh" (default), the elements, with a penalty; or "half-space", Hertz's
         /// approach in their place, for elastic gears
         local: Option<LocalContact>,
@@ -195,10 +195,7 @@ impl From<&ContactSpec> for ContactTable {
             damping: DampingTable::from(spec.damping),
             friction: spec.friction.as_ref().map(FrictionTable::from),
             slices: spec.slices.map(Count),
-            ..spec
-                .points
-                .as_ref()
-                .map_or_else(Default::default, of_points)
+            ..of_flanks(&spec.flanks)
         }
     }
 }
@@ -209,11 +206,11 @@ pub(super) fn contact(
     calibrated: bool,
     at: &Place<'_>,
 ) -> Result<ContactSpec, SceneError> {
-    let points = points(keys, at)?;
+    let flanks = flanks(keys, at)?;
     let stiffness = match &keys.stiffness {
         Some(keys) => stiffness(keys, &at.key("stiffness"))?,
         // Flank points bring their own; meshes without flanks beside them take the norm's.
-        None if calibrated || points.is_some() => PairStiffness::Iso6336 {
+        None if calibrated || flanks != FlankContact::Toothing => PairStiffness::Iso6336 {
             variation: IsoVariation::default(),
         },
         None => return Err(at.missing("stiffness", &ContactTable::TABLE)),
@@ -228,7 +225,7 @@ pub(super) fn contact(
         damping,
         friction: friction.transpose()?,
         slices: keys.slices.map(|n| n.0),
-        points,
+        flanks,
     })
 }
 

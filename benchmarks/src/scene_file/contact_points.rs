@@ -6,7 +6,7 @@ use super::reading::Place;
 use super::reading::keys::keys;
 use super::reading::values::Count;
 use gearbench_models::error::Reason;
-use gearbench_models::spec::{LocalContact, MAX_POINTS, PointContact, PointRule};
+use gearbench_models::spec::{FlankContact, MAX_POINTS, PointContact, PointLaw, PointRule};
 use serde::{Deserialize, Serialize};
 
 /// Keys that are valid for flank points only.
@@ -19,10 +19,20 @@ const OF_POINTS: [&str; 6] = [
     "reach_m",
 ];
 
+/// Local compliance of the contact.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum LocalContact {
+    /// The elements of the mesh: points of the flanks with a penalty or without.
+    Mesh,
+    /// Half-spaces in their place.
+    HalfSpace,
+}
+
 /// Law of the contact at points of flanks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum PointLaw {
+pub enum LawWord {
     /// A pressure that grows with the penetration.
     Penalty,
     /// Gaps that do not become negative.
@@ -54,15 +64,12 @@ keys! {
     }
 }
 
-/// Reads the contact of flank points; `None` without a penalty.
-pub(super) fn points(
-    keys: &ContactTable,
-    at: &Place<'_>,
-) -> Result<Option<PointContact>, SceneError> {
+/// Reads the contact of the flanks: that of the toothing without a penalty.
+pub(super) fn flanks(keys: &ContactTable, at: &Place<'_>) -> Result<FlankContact, SceneError> {
     if keys.local == Some(LocalContact::HalfSpace) {
-        return half_space(at).map(Some);
+        return half_space(at);
     }
-    let (base, key) = if keys.law == Some(PointLaw::Hard) {
+    let (base, key) = if keys.law == Some(LawWord::Hard) {
         (hard(keys, at)?, "law")
     } else {
         match (keys.penalty_pa_per_m, keys.penalty_n_per_m) {
@@ -82,7 +89,7 @@ pub(super) fn points(
             (None, Some(penalty)) => (per_node(penalty, keys, at)?, "penalty_n_per_m"),
             (None, None) => {
                 return match OF_POINTS.into_iter().find(|key| at.has(key)) {
-                    None => Ok(None),
+                    None => Ok(FlankContact::Toothing),
                     Some(key) => at.key(key).refuse(
                         format!("`{key}` belongs to flank points, which have no penalty"),
                         "remove this",
@@ -95,42 +102,46 @@ pub(super) fn points(
     let settings = PointContact {
         surface: keys.surface.unwrap_or_default(),
         passes: keys.passes.unwrap_or_default(),
-        damping: keys.damping_ns_per_m3.unwrap_or(0.0),
         reach: keys.reach_m,
-        ..base
+        ..base.damped(keys.damping_ns_per_m3.unwrap_or(0.0))
     };
     match settings.problem() {
-        None => Ok(Some(settings)),
+        None => Ok(FlankContact::Points(settings)),
         Some(Reason { cause, help }) => at.key(key).refuse(cause, "in this contact", help),
     }
 }
 
-/// Returns the keys of a contact of flank points.
-pub(super) fn of_points(spec: &PointContact) -> ContactTable {
-    if spec.local == LocalContact::HalfSpace {
-        return ContactTable {
-            local: Some(LocalContact::HalfSpace),
-            ..ContactTable::default()
-        };
-    }
+/// Returns the keys of a contact of flanks.
+pub(super) fn of_flanks(flanks: &FlankContact) -> ContactTable {
+    let spec = match flanks {
+        FlankContact::Toothing => return ContactTable::default(),
+        FlankContact::HalfSpace => {
+            return ContactTable {
+                local: Some(LocalContact::HalfSpace),
+                ..ContactTable::default()
+            };
+        }
+        FlankContact::Points(points) => points,
+    };
+    let hard = spec.law == PointLaw::Hard;
     let points = match spec.rule {
         PointRule::Nodes | PointRule::EachNode => Some(PointsChoice::Nodes),
-        PointRule::Quadrature { .. } if spec.hard => None,
+        PointRule::Quadrature { .. } if hard => None,
         PointRule::Quadrature { along, across } => Some(PointsChoice::Grid(PointTable {
             along: Count(along),
             across: Count(across),
         })),
     };
-    let penalty = Some(spec.penalty).filter(|_| !spec.hard);
+    let penalty = spec.penalty().map(|[penalty, _]| penalty);
     let of_node = spec.rule == PointRule::EachNode;
     ContactTable {
-        law: spec.hard.then_some(PointLaw::Hard),
+        law: hard.then_some(LawWord::Hard),
         penalty_pa_per_m: penalty.filter(|_| !of_node),
         penalty_n_per_m: penalty.filter(|_| of_node),
         points,
         surface: given(spec.surface),
         passes: given(spec.passes),
-        damping_ns_per_m3: given(spec.damping),
+        damping_ns_per_m3: spec.penalty().and_then(|[_, dashpot]| given(dashpot)),
         reach_m: spec.reach,
         ..ContactTable::default()
     }
@@ -142,12 +153,12 @@ fn given<T: Default + PartialEq>(value: T) -> Option<T> {
 }
 
 /// Contact of elastic half-spaces, which has no options.
-fn half_space(at: &Place<'_>) -> Result<PointContact, SceneError> {
+fn half_space(at: &Place<'_>) -> Result<FlankContact, SceneError> {
     let mut others = OF_POINTS
         .into_iter()
         .chain(["penalty_pa_per_m", "penalty_n_per_m"]);
     match others.find(|key| at.has(key)) {
-        None => Ok(PointContact::half_space()),
+        None => Ok(FlankContact::HalfSpace),
         Some(key) => at.key(key).refuse(
             format!("`{key}` belongs to the points of a mesh, but the contact uses half-spaces"),
             "remove this",
@@ -198,6 +209,13 @@ fn hard(keys: &ContactTable, at: &Place<'_>) -> Result<PointContact, SceneError>
             format!("`{key}` belongs to a penalty law, but the law is hard"),
             "remove this",
             "or remove law = \"hard\"",
+        );
+    }
+    if keys.damping_ns_per_m3.is_some_and(|c| c != 0.0) {
+        return at.key("damping_ns_per_m3").refuse(
+            "hard contact has no dashpot",
+            "in this contact",
+            "remove the damping",
         );
     }
     match keys.points {

@@ -44,7 +44,7 @@ pub use super::calibration_choice::{CalibrationChoice, CalibrationTable};
 pub use super::contact::{
     ContactTable, DamperTable, DampingTable, FilmTable, FrictionTable, RatioTable, RestitutionTable,
 };
-pub use super::contact_points::{PointLaw, PointTable, PointsChoice};
+pub use super::contact_points::{LawWord, LocalContact, PointTable, PointsChoice};
 pub use super::deviations::{DeviationTable, FlankTable};
 pub use super::gear::{GearTable, RackTable, ReliefTable, ToothedTable};
 pub use super::material::{MaterialChoice, MaterialTable};

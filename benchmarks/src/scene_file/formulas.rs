@@ -1,7 +1,7 @@
 //! Validity ranges of the stiffness formulas, and warnings where a scene leaves them.
 
 use super::{ModelChoice, SceneError, SceneFile};
-use gearbench_models::spec::{Body, ContactSpec, SceneSpec, mesh_layout};
+use gearbench_models::spec::{Body, ContactSpec, FlankContact, SceneSpec, mesh_layout};
 use gearbench_models::stiffness::build_with_warnings;
 
 /// Warnings on the limits of the stiffness formulas that the gears of a mesh exceed.
@@ -41,7 +41,7 @@ impl SceneFile {
             .zip(&choice.modelling.contacts)
             .enumerate()
         {
-            if own.points.is_some() {
+            if own.flanks != FlankContact::Toothing {
                 continue;
             }
             let place = contact.member(i);

@@ -4,6 +4,7 @@ use super::reading::Place;
 use super::{ModelChoice, SceneError, SceneFile};
 use gearbench_models::error::{BuildError, GearPart, MeshPart, Subject};
 use gearbench_models::scene::Scene;
+use gearbench_models::spec::FlankContact;
 
 impl SceneFile {
     /// Locates an error, met while building the model with a label, in the scene file.
@@ -107,8 +108,9 @@ impl SceneFile {
         built: &Scene,
     ) -> Result<Option<SceneError>, SceneError> {
         let flanks = built.gears().iter().any(|g| g.model.surface().is_some());
-        let points = choice.modelling.contacts.iter().find_map(|c| c.points);
-        let Some(points) = points.filter(|_| !flanks) else {
+        let mut contacts = choice.modelling.contacts.iter().map(|c| &c.flanks);
+        let of_points = contacts.find(|f| **f != FlankContact::Toothing);
+        let Some(of_points) = of_points.filter(|_| !flanks) else {
             return Ok(None);
         };
         let index = self.models.iter().position(|m| m.label == choice.label);
@@ -127,7 +129,7 @@ impl SceneFile {
             "no flank points",
             "give the stiffness of a tooth pair, such as stiffness = \"iso6336\", or another gear model",
         );
-        match points.hard {
+        match of_points.is_hard() {
             true => Err(error),
             false => Ok(Some(error)),
         }

@@ -433,8 +433,8 @@ fn contact_of(contact: &ContactSpec, at: &Place<'_>) -> Vec<SceneError> {
         _ => None,
     };
     let key = "penalty_pa_per_m";
-    let penalty = (contact.points.filter(|_| at.has(key)))
-        .and_then(|p| PENALTY.warning(&at.key(key), key, p.penalty));
+    let penalty = (contact.flanks.penalty().filter(|_| at.has(key)))
+        .and_then(|[penalty, _]| PENALTY.warning(&at.key(key), key, penalty));
     [friction.flatten(), damping, stiffness, penalty]
         .into_iter()
         .flatten()

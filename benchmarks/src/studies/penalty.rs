@@ -15,7 +15,7 @@ use crate::experiment::run::{Job, run};
 use crate::scene_file::{ModelChoice, SceneError, SceneFile, Selection};
 use clap::Args;
 use gearbench_integrators::table::VELOCITY_VERLET;
-use gearbench_models::spec::{ContactSpec, mesh_layout};
+use gearbench_models::spec::{ContactSpec, PointLaw, mesh_layout};
 use gearbench_reference::statics::{Load, LoadedPair, MeshCycle};
 use gearbench_reports::columns::Columns;
 use gearbench_reports::metrics::compare as measure;
@@ -348,7 +348,7 @@ impl Penalty {
         scene: &'s SceneFile,
     ) -> Result<(&'s ModelChoice, Option<&'s ModelChoice>), Refusal> {
         let twin = |m: &&ModelChoice| scene.model(&format!("{}-hard", m.label)).is_some();
-        let soft = |c: &ContactSpec| c.points.is_some_and(|p| p.has_penalty());
+        let soft = |c: &ContactSpec| c.flanks.penalty().is_some();
         let penalty = |m: &&ModelChoice| m.modelling.contacts.iter().any(soft);
         let found = (scene.models.iter().find(twin)).or_else(|| scene.models.iter().find(penalty));
         let choice = match (&self.model, found) {
@@ -385,8 +385,10 @@ fn with_penalty(configuration: &Configuration, penalty: f64) -> Result<Configura
     let mut configuration = configuration.clone();
     let mut any = false;
     for contact in &mut configuration.modelling.contacts {
-        if let Some(points) = &mut contact.points {
-            points.penalty = penalty;
+        if let Some(PointLaw::Penalty { stiffness, .. }) =
+            contact.flanks.points_mut().map(|p| &mut p.law)
+        {
+            *stiffness = penalty;
             any = true;
         }
     }

@@ -228,7 +228,7 @@ impl Scene {
                 search,
                 law,
                 friction: friction_of(spec, mesh, l, contact),
-                hard: contact.points.is_some_and(|p| p.hard) && mesh.gears.iter().any(has_field),
+                hard: contact.flanks.is_hard() && mesh.gears.iter().any(has_field),
                 nodal,
                 arms: None,
                 bodies: false,

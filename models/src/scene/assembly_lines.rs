@@ -8,15 +8,14 @@ use crate::gear::GearModel;
 use crate::gear::elastic::lines::Strips;
 use crate::geometry::Flanks;
 use crate::law::{Damping, HalfSpace, Law};
-use crate::spec::{Body, ContactSpec, LocalContact, MeshLayout, MeshSpec, Modelling, SceneSpec};
+use crate::spec::{Body, ContactSpec, FlankContact, MeshLayout, MeshSpec, Modelling, SceneSpec};
 use crate::stiffness::Material;
 use std::f64::consts::PI;
 use std::sync::Arc;
 
 /// Returns true if the local compliance of a contact is that of half-spaces.
 pub(super) fn is_half_space(contact: &ContactSpec) -> bool {
-    let local = contact.points.map(|p| p.local);
-    local == Some(LocalContact::HalfSpace)
+    contact.flanks == FlankContact::HalfSpace
 }
 
 /// Returns the strips of a gear with contact along lines: one where contact is uniform over the width, otherwise the

@@ -6,7 +6,7 @@ use crate::contact::pairs::MeshGeometry;
 use crate::contact::points::{FlankPoints, SearchGear};
 use crate::error::{BuildError, GearPart, MeshPart, Reason};
 use crate::law::{Damping, Law};
-use crate::spec::{ContactSpec, MeshSpec, Passes, PointContact, SceneSpec};
+use crate::spec::{ContactSpec, MeshSpec, Passes, PointContact, PointLaw, SceneSpec};
 
 /// Refuses hard contact at nodes without compliance.
 fn refuse_singular(
@@ -84,7 +84,7 @@ pub(super) fn flank_points(
         .iter()
         .find(|i| gears[**i].model.flanks().is_some());
     let name = flanked.map_or("", |i| spec.gears[*i].name.as_str());
-    let Some(points) = &contact.points else {
+    let Some(points) = contact.flanks.points() else {
         return Err(error(
             MeshPart::Contact,
             (
@@ -94,7 +94,8 @@ pub(super) fn flank_points(
                 .into(),
         ));
     };
-    if contact.friction.is_some() && points.hard {
+    let hard = points.law == PointLaw::Hard;
+    if contact.friction.is_some() && hard {
         return Err(error(
             MeshPart::Friction,
             (
@@ -105,14 +106,14 @@ pub(super) fn flank_points(
         ));
     }
     let at_load = matches!(contact.damping, Damping::RatioAtLoad { .. });
-    if at_load && (points.hard || points.damping != 0.0) {
+    if at_load && points.penalty().is_none_or(|[_, dashpot]| dashpot != 0.0) {
         return Err(error(
             MeshPart::Damping,
             (
                 format!(
                     "the damping `{}` is given together with {}",
                     contact.damping.id(),
-                    if points.hard {
+                    if hard {
                         "hard contact"
                     } else {
                         "a dashpot per area"
@@ -155,7 +156,7 @@ pub(super) fn flank_points(
                 .into(),
         ));
     }
-    if points.hard {
+    if hard {
         refuse_singular(spec, mesh, contact, points, gears)
             .map_err(|(part, why)| error(part, why).of_model())?;
     }
@@ -183,7 +184,8 @@ pub(super) fn flank_points(
     if at_load {
         return Ok((search, of_pairs));
     }
-    let law = Law::new(contact.exponent, Damping::KelvinVoigt { c: points.damping })
+    let dashpot = points.penalty().map_or(0.0, |[_, dashpot]| dashpot);
+    let law = Law::new(contact.exponent, Damping::KelvinVoigt { c: dashpot })
         .map_err(|e| error(MeshPart::Exponent, e.reason()))?;
     Ok((search, law))
 }

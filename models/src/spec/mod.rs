@@ -19,7 +19,7 @@ pub use load::Load;
 pub use model::{ModelSpec, Modelling, Parameters, Value};
 pub use mount::{Bearing, Freedom, Guide, Mount, OutOfPlaneSpec, SpinTerms, UPRIGHT, turned_to};
 pub use points::{
-    CoarseSearch, LocalContact, MAX_POINTS, Passes, PointContact, PointRule, SurfaceKind,
+    CoarseSearch, FlankContact, MAX_POINTS, Passes, PointContact, PointLaw, PointRule, SurfaceKind,
 };
 pub use profile::Profile;
 pub use scene::{Body, ContactSpec, GearSpec, MeshSpec, SceneSpec, Start};

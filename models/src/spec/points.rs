@@ -72,26 +72,74 @@ pub enum Passes {
     Both,
 }
 
-/// Local compliance of the contact.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum LocalContact {
-    /// The elements of the mesh: points of the flanks with a penalty or without.
+/// Normal law of the points of a flank.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum PointLaw {
+    /// Pressure of a penalty, and a dashpot.
+    Penalty {
+        /// Contact pressure over penetration to the power of the law's exponent [Pa/m for a linear law]; the force of a
+        /// node [N/m] with [`PointRule::EachNode`].
+        stiffness: f64,
+        /// Dashpot per area of flank [N s/m^3].
+        damping: f64,
+    },
+    /// Gaps that do not become negative, at the nodes of the slave with the rule [`PointRule::Nodes`], otherwise
+    /// averaged with the shape functions of its nodes (mortar).
+    Hard,
+}
+
+/// Contact of the flanks of a mesh.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum FlankContact {
+    /// The flanks of the toothing: contact of tooth pairs.
     #[default]
-    Mesh,
+    Toothing,
+    /// Points of the flanks of finite elements, with a penalty or hard.
+    Points(PointContact),
     /// Half-spaces instead of the elements next to the contact, as in Hertz's theory: lines over strips of the width
-    /// ([`FlankLines`](crate::contact::pairs::FlankLines)). Penalty, points, surfaces and passes are not used.
+    /// ([`FlankLines`](crate::contact::pairs::FlankLines)).
     HalfSpace,
+}
+
+impl FlankContact {
+    /// Returns the settings of contact at points.
+    pub fn points(&self) -> Option<&PointContact> {
+        match self {
+            FlankContact::Points(points) => Some(points),
+            FlankContact::Toothing | FlankContact::HalfSpace => None,
+        }
+    }
+
+    /// Returns the settings of contact at points, to change them.
+    pub fn points_mut(&mut self) -> Option<&mut PointContact> {
+        match self {
+            FlankContact::Points(points) => Some(points),
+            FlankContact::Toothing | FlankContact::HalfSpace => None,
+        }
+    }
+
+    /// Returns true if contact at points is hard.
+    pub fn is_hard(&self) -> bool {
+        self.points().is_some_and(|p| p.law == PointLaw::Hard)
+    }
+
+    /// Returns penalty and dashpot of contact at points; `None` for any other contact.
+    pub fn penalty(&self) -> Option<[f64; 2]> {
+        self.points()?.penalty()
+    }
+}
+
+impl From<PointContact> for FlankContact {
+    fn from(points: PointContact) -> Self {
+        FlankContact::Points(points)
+    }
 }
 
 /// Settings of the contact between flank points and flank surfaces.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PointContact {
-    /// Contact pressure over penetration to the power of the law's exponent [Pa/m for a linear law]; the force of a
-    /// node [N/m] with [`PointRule::EachNode`].
-    pub penalty: f64,
-    /// Dashpot per area of flank [N s/m^3].
-    pub damping: f64,
+    /// Normal law.
+    pub law: PointLaw,
     /// Integration rule of the points.
     pub rule: PointRule,
     /// Surface between the nodes.
@@ -103,11 +151,6 @@ pub struct PointContact {
     /// Largest gap of the undeformed flanks [m] at which a pair of flanks is evaluated; it must exceed the elastic
     /// displacement of the teeth. `None` uses a fiftieth of the base pitch.
     pub reach: Option<f64>,
-    /// True for contact without penalty: gaps that do not become negative, at the nodes of the slave with the rule
-    /// [`PointRule::Nodes`], otherwise averaged with the shape functions of its nodes (mortar).
-    pub hard: bool,
-    /// Local compliance of the contact.
-    pub local: LocalContact,
 }
 
 impl PointContact {
@@ -115,24 +158,8 @@ impl PointContact {
     #[must_use]
     pub fn hard(rule: PointRule) -> Self {
         PointContact {
+            law: PointLaw::Hard,
             rule,
-            hard: true,
-            // Only the areas of the points are used, so the penalty is arbitrary.
-            ..PointContact::new(1.0)
-        }
-    }
-
-    /// Returns true if a penalty represents the local compliance.
-    pub fn has_penalty(&self) -> bool {
-        self.local == LocalContact::Mesh && !self.hard
-    }
-
-    /// Returns settings of contact on half-spaces.
-    #[must_use]
-    pub fn half_space() -> Self {
-        PointContact {
-            local: LocalContact::HalfSpace,
-            // There is no penalty.
             ..PointContact::new(1.0)
         }
     }
@@ -141,49 +168,66 @@ impl PointContact {
     #[must_use]
     pub fn new(penalty: f64) -> Self {
         PointContact {
-            penalty,
-            damping: 0.0,
+            law: PointLaw::Penalty {
+                stiffness: penalty,
+                damping: 0.0,
+            },
             rule: PointRule::default(),
             surface: SurfaceKind::default(),
             passes: Passes::default(),
             coarse: CoarseSearch::default(),
             reach: None,
-            hard: false,
-            local: LocalContact::Mesh,
+        }
+    }
+
+    /// Returns the settings with another dashpot of the penalty [N s/m^3]; hard contact has none.
+    #[must_use]
+    pub fn damped(mut self, dashpot: f64) -> Self {
+        if let PointLaw::Penalty { damping, .. } = &mut self.law {
+            *damping = dashpot;
+        }
+        self
+    }
+
+    /// Returns penalty [Pa/m] and dashpot [N s/m^3]; `None` for hard contact.
+    pub fn penalty(&self) -> Option<[f64; 2]> {
+        match self.law {
+            PointLaw::Penalty { stiffness, damping } => Some([stiffness, damping]),
+            PointLaw::Hard => None,
         }
     }
 
     /// Returns the first invalid setting with a remedy, if any.
     pub fn problem(&self) -> Option<Reason> {
-        if !(self.penalty > 0.0 && self.penalty.is_finite()) {
-            return Some(
-                (
-                    format!("the penalty is {} Pa/m", self.penalty),
-                    "it must be finite and positive, for steel for example 1e15",
-                )
-                    .into(),
-            );
-        }
-        if !(self.damping >= 0.0 && self.damping.is_finite()) {
-            return Some(
-                (
-                    format!("the damping is {} N s/m^3", self.damping),
-                    "it must be finite and not negative",
-                )
-                    .into(),
-            );
-        }
-        if self.hard && self.damping != 0.0 {
-            return Some(("hard contact has no dashpot", "remove the damping").into());
-        }
-        if self.hard && self.passes == Passes::Both {
-            return Some(
-                (
-                    "hard contact in both passes constrains every position twice",
-                    "use the first or the second pass",
-                )
-                    .into(),
-            );
+        match self.law {
+            PointLaw::Penalty { stiffness, .. } if !(stiffness > 0.0 && stiffness.is_finite()) => {
+                return Some(
+                    (
+                        format!("the penalty is {stiffness} Pa/m"),
+                        "it must be finite and positive, for steel for example 1e15",
+                    )
+                        .into(),
+                );
+            }
+            PointLaw::Penalty { damping, .. } if !(damping >= 0.0 && damping.is_finite()) => {
+                return Some(
+                    (
+                        format!("the damping is {damping} N s/m^3"),
+                        "it must be finite and not negative",
+                    )
+                        .into(),
+                );
+            }
+            PointLaw::Hard if self.passes == Passes::Both => {
+                return Some(
+                    (
+                        "hard contact in both passes constrains every position twice",
+                        "use the first or the second pass",
+                    )
+                        .into(),
+                );
+            }
+            PointLaw::Penalty { .. } | PointLaw::Hard => {}
         }
         if let PointRule::Quadrature { along, across } = self.rule
             && !((1..=MAX_POINTS).contains(&along) && (1..=MAX_POINTS).contains(&across))
@@ -223,10 +267,7 @@ mod tests {
         let bad = [
             PointContact::new(0.0),
             PointContact::new(f64::NAN),
-            PointContact {
-                damping: -1.0,
-                ..good
-            },
+            good.damped(-1.0),
             PointContact {
                 reach: Some(0.0),
                 ..good

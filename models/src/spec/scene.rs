@@ -2,7 +2,7 @@
 
 use super::load::Load;
 use super::mount::{Guide, Mount, OutOfPlaneSpec};
-use super::points::PointContact;
+use super::points::FlankContact;
 use super::shaft::{BodySpec, ShaftSpec, Station, StationMember};
 use crate::Vec3;
 use crate::geometry::{Gear, Rack, Side, Tips};
@@ -150,9 +150,9 @@ pub struct ContactSpec {
     pub friction: Option<Friction>,
     /// Number of slices over the face width; `None` selects 1 for a spur gear without lead crowning, otherwise 16.
     pub slices: Option<usize>,
-    /// Contact of flank points, for meshes with a gear that has its own flanks; `stiffness`, `damping` and `slices`
+    /// Contact of the flanks, for meshes with a gear that has its own flanks; `stiffness`, `damping` and `slices`
     /// apply to all other meshes. The exponent applies to both.
-    pub points: Option<PointContact>,
+    pub flanks: FlankContact,
 }
 
 /// A scene without its models.

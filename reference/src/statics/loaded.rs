@@ -137,8 +137,8 @@ impl LoadedPair {
         for contact in &mut modelling.contacts {
             contact.damping = Damping::None;
             contact.friction = None;
-            if let Some(points) = &mut contact.points {
-                points.damping = 0.0;
+            if let Some(points) = contact.flanks.points_mut() {
+                *points = points.damped(0.0);
             }
         }
         let [a, b] = mesh.gears;

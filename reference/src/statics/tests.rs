@@ -5,8 +5,8 @@ use gearbench_models::gear::table::MODELS;
 use gearbench_models::geometry::{Gear, GearParams, Rack, RackParams, Side};
 use gearbench_models::law::Damping;
 use gearbench_models::spec::{
-    Body, ContactSpec, GearSpec, Load as HubLoad, MeshSpec, ModelSpec, Modelling, Mount, Profile,
-    SceneSpec, Start, UPRIGHT, mesh_layout, stiffness_curve,
+    Body, ContactSpec, FlankContact, GearSpec, Load as HubLoad, MeshSpec, ModelSpec, Modelling,
+    Mount, Profile, SceneSpec, Start, UPRIGHT, mesh_layout, stiffness_curve,
 };
 use gearbench_models::stiffness::{
     IsoVariation, Material, PairOrMesh, PairStiffness, Path, mesh_stiffness,
@@ -65,7 +65,7 @@ fn rigid(stiffness: PairStiffness, exponent: f64) -> Modelling {
             damping: Damping::None,
             friction: None,
             slices: None,
-            points: None,
+            flanks: FlankContact::Toothing,
         }],
     }
 }

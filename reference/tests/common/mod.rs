@@ -3,7 +3,7 @@
 use gearbench_models::geometry::{Gear, Side};
 use gearbench_models::law::Damping;
 use gearbench_models::spec::{
-    Body, ContactSpec, GearSpec, MeshSpec, ModelSpec, Modelling, Mount, PointContact, SceneSpec,
+    Body, ContactSpec, FlankContact, GearSpec, MeshSpec, ModelSpec, Modelling, Mount, SceneSpec,
     Start, UPRIGHT,
 };
 use gearbench_models::stiffness::{Material, PairStiffness};
@@ -41,11 +41,7 @@ pub fn scene(gears: [Gear; 2], material: Material, distance: f64) -> SceneSpec {
 }
 
 /// Returns both gears of one model, with a linear contact without losses.
-pub fn modelling(
-    model: ModelSpec,
-    stiffness: PairStiffness,
-    points: Option<PointContact>,
-) -> Modelling {
+pub fn modelling(model: ModelSpec, stiffness: PairStiffness, flanks: FlankContact) -> Modelling {
     Modelling {
         gears: vec![model.clone(), model],
         contacts: vec![ContactSpec {
@@ -54,7 +50,7 @@ pub fn modelling(
             damping: Damping::None,
             friction: None,
             slices: None,
-            points,
+            flanks,
         }],
     }
 }

@@ -7,7 +7,7 @@ use gearbench_models::gear::properties::Properties;
 use gearbench_models::gear::table::{GearContext, MODELS, Model, ParameterInfo};
 use gearbench_models::geometry::{Gear, GearParams};
 use gearbench_models::spec::{
-    Body, ModelSpec, Mount, Parameters, PointContact, PointRule, SceneSpec, Value,
+    Body, FlankContact, ModelSpec, Mount, Parameters, PointContact, PointRule, SceneSpec, Value,
 };
 use gearbench_models::stiffness::{
     Foundation, Hertz, IsoVariation, Material, PairStiffness, RootLength, ToothModel,
@@ -207,7 +207,7 @@ pub fn rigid_pair(case: &Case, stiffness: PairStiffness) -> LoadedPair {
         id: "rigid".into(),
         parameters: Parameters::new(),
     };
-    let modelling = modelling(rigid, stiffness, None);
+    let modelling = modelling(rigid, stiffness, FlankContact::Toothing);
     LoadedPair::new(&scene(case), &modelling, MODELS).unwrap()
 }
 
@@ -230,6 +230,6 @@ pub fn elastic_pair(case: &Case, f: Fineness, penalty: f64) -> LoadedPair {
         },
         ..PointContact::new(penalty)
     };
-    let modelling = modelling(fe, iso(), Some(points));
+    let modelling = modelling(fe, iso(), points.into());
     LoadedPair::new(&scene(case), &modelling, &[FINE_WHERE_IT_TOUCHES]).unwrap()
 }

@@ -8,7 +8,8 @@ use gearbench_integrators::{
 };
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{
-    ContactSpec, Load, ModelSpec, Mount, Parameters, PointContact, Profile, SceneSpec, Value,
+    ContactSpec, FlankContact, Load, ModelSpec, Mount, Parameters, PointContact, Profile,
+    SceneSpec, Value,
 };
 use gearbench_tests::*;
 
@@ -28,7 +29,7 @@ pub fn toy(damping: f64) -> ModelSpec {
 
 pub fn with_points() -> ContactSpec {
     ContactSpec {
-        points: Some(PointContact::new(1e15)),
+        flanks: FlankContact::Points(PointContact::new(1e15)),
         ..contact(1.5e10)
     }
 }

@@ -7,7 +7,9 @@ use correction::{COEFFICIENTS, correct_error};
 use gearbench_integrators::{Events, SecondOrderSystem, State};
 use gearbench_models::law::{Damping, Friction};
 use gearbench_models::scene::Scene;
-use gearbench_models::spec::{ContactSpec, Load, ModelSpec, effective_radius, mesh_layout};
+use gearbench_models::spec::{
+    ContactSpec, FlankContact, Load, ModelSpec, effective_radius, mesh_layout,
+};
 use gearbench_models::stiffness::{Ends, Interpolation, IsoVariation, PairOrMesh, PairStiffness};
 use gearbench_tests::*;
 
@@ -166,7 +168,7 @@ fn tangent_is_the_derivative_of_the_force() {
                         damping,
                         friction,
                         slices: None,
-                        points: None,
+                        flanks: FlankContact::Toothing,
                     };
                     for located in [false, true] {
                         let (mut scene, s) = pressed(&models, &contact, located, 3e-6);

@@ -45,7 +45,7 @@ pub(crate) fn modelling(model: &ModelSpec, surface: SurfaceKind) -> Modelling {
     Modelling {
         gears: vec![model.clone(), model.clone()],
         contacts: vec![ContactSpec {
-            points: Some(points),
+            flanks: points.into(),
             ..contact(1.5e10)
         }],
     }
@@ -227,7 +227,7 @@ fn forces_of_finite_elements_are_the_gradient_of_their_energy() {
     for surface in [SurfaceKind::Smooth, SurfaceKind::Faceted] {
         let mut modelling = modelling(&model, surface);
         for contact in &mut modelling.contacts {
-            if let Some(points) = &mut contact.points {
+            if let Some(points) = contact.flanks.points_mut() {
                 points.passes = Passes::Both;
             }
         }

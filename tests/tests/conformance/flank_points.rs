@@ -27,7 +27,7 @@ fn nodal(condensed: bool) -> ModelSpec {
 
 fn scene(points: PointContact, condensed: bool) -> Scene {
     let contact = ContactSpec {
-        points: Some(points),
+        flanks: points.into(),
         ..contact(1.5e10)
     };
     build(&case_a(3e-6), &[nodal(condensed), nodal(false)], &contact)
@@ -116,7 +116,7 @@ fn tips_leave_without_energy() {
             ..PointContact::new(1e14)
         };
         let contact = ContactSpec {
-            points: Some(points),
+            flanks: points.into(),
             ..contact(1.5e10)
         };
         let mut scene = build(&spec, &[model.clone(), model], &contact);

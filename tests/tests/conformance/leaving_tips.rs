@@ -110,7 +110,11 @@ fn recorded_torques_change_the_angular_momentum() {
         for surface in [SurfaceKind::Faceted, SurfaceKind::Smooth] {
             for passes in [Passes::First, Passes::Both] {
                 let mut modelling = modelling(&meshed(id, modes), surface);
-                for points in modelling.contacts.iter_mut().flat_map(|c| &mut c.points) {
+                for points in modelling
+                    .contacts
+                    .iter_mut()
+                    .filter_map(|c| c.flanks.points_mut())
+                {
                     points.passes = passes;
                 }
                 let mut worst = 0.0_f64;
@@ -179,7 +183,11 @@ fn elastic_gears_that_overlap_deeply_keep_their_energy_at_tips() {
     }
     for passes in [Passes::First, Passes::Second, Passes::Both] {
         let mut modelling = modelling(&model, SurfaceKind::Smooth);
-        for points in modelling.contacts.iter_mut().flat_map(|c| &mut c.points) {
+        for points in modelling
+            .contacts
+            .iter_mut()
+            .filter_map(|c| c.flanks.points_mut())
+        {
             *points = PointContact {
                 passes,
                 ..PointContact::new(6.7e14)

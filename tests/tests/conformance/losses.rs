@@ -9,8 +9,8 @@ use gearbench_integrators::{
 use gearbench_models::law::{Damping, Friction, FrictionForm};
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{
-    ContactSpec, Load, ModelSpec, Modelling, Mount, Parameters, PointContact, Profile, SceneSpec,
-    Value, effective_radius, mesh_layout,
+    ContactSpec, FlankContact, Load, ModelSpec, Modelling, Mount, Parameters, PointContact,
+    Profile, SceneSpec, Value, effective_radius, mesh_layout,
 };
 use gearbench_reference::MODELS;
 use gearbench_tests::*;
@@ -38,7 +38,7 @@ fn rubbing(friction: Option<Friction>, ratio: f64) -> ContactSpec {
             ratio => Damping::RatioAtLoad { ratio },
         },
         friction,
-        points: Some(PointContact::new(1e15)),
+        flanks: FlankContact::Points(PointContact::new(1e15)),
         ..contact(1.4e10)
     }
 }

@@ -47,7 +47,7 @@ fn run(
         )
     };
     for contact in &mut plan.entries[0].modelling.contacts {
-        if let (Some(points), Some(rule)) = (&mut contact.points, rule) {
+        if let (Some(points), Some(rule)) = (contact.flanks.points_mut(), rule) {
             points.rule = rule;
         }
     }

@@ -9,7 +9,7 @@ use gearbench::experiment::conditions::Conditions;
 use gearbench::experiment::runner::Runner;
 use gearbench::studies::compare::{Plan, YardstickChoice, compare};
 use gearbench_integrators::{Resolution, Scheme};
-use gearbench_models::spec::{PointContact, Value};
+use gearbench_models::spec::{FlankContact, Value};
 use gearbench_reference::reference;
 use gearbench_reports::record::Metrics;
 
@@ -41,7 +41,7 @@ fn errors(what: &str, other: ParameterOverrides<'_>, half_spaces: bool) -> Metri
         }
     }
     if half_spaces {
-        modelling.contacts[0].points = Some(PointContact::half_space());
+        modelling.contacts[0].flanks = FlankContact::HalfSpace;
     }
     let plan = plan.with_methods(vec![Scheme {
         method: "trigonometric".parse().unwrap(),

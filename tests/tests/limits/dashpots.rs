@@ -12,8 +12,8 @@ fn damped(dashpots: f64, ratio: f64) -> Configuration {
         (gear.parameters).insert("damping_ratio".into(), Value::Number(ratio));
     }
     for contact in &mut entry.modelling.contacts {
-        if let Some(points) = &mut contact.points {
-            points.damping = dashpots;
+        if let Some(points) = contact.flanks.points_mut() {
+            *points = points.damped(dashpots);
         }
     }
     entry.label = format!("elastic, {dashpots:.0e} N s/m3");

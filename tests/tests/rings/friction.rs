@@ -37,7 +37,7 @@ fn an_elastic_ring_loses_what_a_rigid_one_loses() {
         (
             "half-spaces",
             elastic([8.0, 1.0], 20.0),
-            touching(PointContact::half_space(), Some(1)),
+            touching(FlankContact::HalfSpace, Some(1)),
         ),
     ] {
         let spec = loaded();

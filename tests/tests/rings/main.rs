@@ -15,8 +15,8 @@ use gearbench_integrators::{Outputs, Report, SecondOrderSystem, State};
 use gearbench_models::geometry::{GearParams, Internal, Side};
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{
-    ContactSpec, GearSpec, ModelSpec, Modelling, Parameters, PointContact, SceneSpec, Value,
-    signed_effective_radius,
+    ContactSpec, FlankContact, GearSpec, ModelSpec, Modelling, Parameters, PointContact, SceneSpec,
+    Value, signed_effective_radius,
 };
 use gearbench_tests::{contact, gear, pair_of, spur, start};
 
@@ -85,9 +85,9 @@ fn elastic(elements: [f64; 2], modes: f64) -> ModelSpec {
     meshed("elastic", elements, &[("modes", modes)])
 }
 
-fn touching(points: PointContact, slices: Option<usize>) -> ContactSpec {
+fn touching(flanks: impl Into<FlankContact>, slices: Option<usize>) -> ContactSpec {
     ContactSpec {
-        points: Some(points),
+        flanks: flanks.into(),
         slices,
         ..contact(1.5e10)
     }

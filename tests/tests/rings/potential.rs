@@ -55,7 +55,7 @@ fn check(name: &str, spec: &SceneSpec, contact: &ContactSpec, width: f64, bound:
 #[test]
 fn forces_are_slopes_of_the_energy() {
     let points = touching(PointContact::new(1e15), None);
-    let half_space = touching(PointContact::half_space(), Some(1));
+    let half_space = touching(FlankContact::HalfSpace, Some(1));
     let spec = pair_in(2.0, params(0.0), Side::Left, 0.0);
     let helical = pair_in(2.0, params(0.2), Side::Left, 0.0);
     for (name, contact, bound) in [

@@ -119,7 +119,7 @@ fn through_a_cycle(name: &str, contact: &ContactSpec, positions: u32) {
 fn sets_on_fixed_axes_are_those_of_full_finite_elements() {
     let points = touching(PointContact::new(1e15), None);
     through_a_cycle("points", &points, 6);
-    let half_space = touching(PointContact::half_space(), Some(1));
+    let half_space = touching(FlankContact::HalfSpace, Some(1));
     through_a_cycle("half-spaces", &half_space, 6);
 }
 
@@ -151,7 +151,7 @@ fn contacts_go_round_with_the_carrier() {
     fixed.gears[RING].mount = Mount::Revolute;
     for contact in [
         touching(PointContact::new(1e15), None),
-        touching(PointContact::half_space(), Some(1)),
+        touching(FlankContact::HalfSpace, Some(1)),
     ] {
         let of = |spec: &SceneSpec, turn: f64| -> Vec<f64> {
             let mut scene = built(spec, &elastic([8.0, 1.0], 12.0), &contact);
@@ -196,7 +196,7 @@ fn elastic_sets_keep_energy_and_angular_momentum() {
     let torque = [60.0, 0.0, 0.0, 0.0, 210.0, -270.0];
     for (name, contact) in [
         ("points", touching(PointContact::new(1e15), None)),
-        ("half-spaces", touching(PointContact::half_space(), Some(1))),
+        ("half-spaces", touching(FlankContact::HalfSpace, Some(1))),
     ] {
         let mut scene = built(&spec, &elastic([8.0, 1.0], 12.0), &contact);
         for tolerance in [1e-6, 1e-8] {

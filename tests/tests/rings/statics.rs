@@ -78,7 +78,7 @@ fn forces_are_those_of_full_finite_elements() {
     );
     beside_fe(
         "half-spaces",
-        &touching(PointContact::half_space(), Some(1)),
+        &touching(FlankContact::HalfSpace, Some(1)),
         [5e-6, 2e-5],
         0.02,
     );
@@ -147,7 +147,7 @@ const APPROACH: f64 = 1e-5;
 fn exchanged_and_turned_pairs_have_the_same_forces() {
     for (name, contact) in [
         ("points", touching(PointContact::new(1e15), None)),
-        ("half-spaces", touching(PointContact::half_space(), Some(1))),
+        ("half-spaces", touching(FlankContact::HalfSpace, Some(1))),
     ] {
         let model = elastic([8.0, 1.0], 40.0);
         let load = Load::Approach(APPROACH);

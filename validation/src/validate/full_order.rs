@@ -10,7 +10,7 @@ use gearbench::studies::choose::problem::Problem;
 use gearbench::studies::choose::trial::{Outcome, WindowModel};
 use gearbench_integrators::MethodSpec;
 use gearbench_integrators::table::{HHT_ALPHA, NEWMARK};
-use gearbench_models::spec::PointContact;
+use gearbench_models::spec::PointLaw;
 use serde::{Deserialize, Serialize};
 
 /// Methods of full finite elements and numbers of steps per contact time, in the order of the trials.
@@ -65,10 +65,11 @@ fn finite_elements(
         gear.mesh.flank_elements = Some(along * flank);
     }
     for contact in &mut fine.contacts {
-        contact.points = contact.points.map(|p| PointContact {
-            penalty: penalty * p.penalty,
-            ..p
-        });
+        if let Some(PointLaw::Penalty { stiffness, .. }) =
+            contact.flanks.points_mut().map(|p| &mut p.law)
+        {
+            *stiffness *= penalty;
+        }
     }
     let methods = FULL.map(|(method, steps)| method.at_step(contact_time / steps));
     Ok(first(problem, &full(&fine), &methods, grid)?.0)

@@ -4,7 +4,9 @@ use super::super::{Origin, SceneFile};
 use super::{changed, render};
 use crate::context::Context;
 use gearbench_models::law::{Damping, FrictionForm};
-use gearbench_models::spec::{ContactSpec, Passes, PointContact, PointRule, SurfaceKind};
+use gearbench_models::spec::{
+    ContactSpec, FlankContact, Passes, PointContact, PointRule, SurfaceKind,
+};
 use gearbench_models::stiffness::{
     Ends, Foundation, Hertz, Interpolation, IsoVariation, PairOrMesh, PairStiffness, RootLength,
     ToothModel,
@@ -110,13 +112,12 @@ fn flank_points_with_and_without_their_settings() {
                passes = \"both\", damping_ns_per_m3 = 1e7, reach_m = 1e-4";
     let penalty = PointContact::new(1e15);
     for (text, expected) in [
-        ("stiffness = \"iso6336\"", None),
-        ("penalty_pa_per_m = 1e15", Some(penalty)),
-        ("law = \"penalty\", penalty_pa_per_m = 1e15", Some(penalty)),
+        ("stiffness = \"iso6336\"", FlankContact::Toothing),
+        ("penalty_pa_per_m = 1e15", penalty.into()),
+        ("law = \"penalty\", penalty_pa_per_m = 1e15", penalty.into()),
         (
             all,
-            Some(PointContact {
-                damping: 1e7,
+            FlankContact::Points(PointContact {
                 rule: PointRule::Quadrature {
                     along: 5,
                     across: 1,
@@ -124,38 +125,38 @@ fn flank_points_with_and_without_their_settings() {
                 surface: SurfaceKind::Faceted,
                 passes: Passes::Both,
                 reach: Some(1e-4),
-                ..PointContact::new(2e14)
+                ..PointContact::new(2e14).damped(1e7)
             }),
         ),
         (
             "penalty_pa_per_m = 1e15, points = \"nodes\"",
-            Some(PointContact {
+            FlankContact::Points(PointContact {
                 rule: PointRule::Nodes,
                 ..penalty
             }),
         ),
         (
             "penalty_n_per_m = 3.5e7, points = \"nodes\"",
-            Some(PointContact {
+            FlankContact::Points(PointContact {
                 rule: PointRule::EachNode,
                 ..PointContact::new(3.5e7)
             }),
         ),
-        ("local = \"half-space\"", Some(PointContact::half_space())),
-        ("local = \"mesh\", penalty_pa_per_m = 1e15", Some(penalty)),
+        ("local = \"half-space\"", FlankContact::HalfSpace),
+        ("local = \"mesh\", penalty_pa_per_m = 1e15", penalty.into()),
         (
             "law = \"hard\"",
-            Some(PointContact::hard(PointRule::default())),
+            FlankContact::Points(PointContact::hard(PointRule::default())),
         ),
         (
             "law = \"hard\", points = \"nodes\", passes = \"second\"",
-            Some(PointContact {
+            FlankContact::Points(PointContact {
                 passes: Passes::Second,
                 ..PointContact::hard(PointRule::Nodes)
             }),
         ),
     ] {
-        let found = contact(1, "stiffness = \"iso6336\"", text).points;
+        let found = contact(1, "stiffness = \"iso6336\"", text).flanks;
         assert_eq!(found, expected, "{text}");
     }
 }

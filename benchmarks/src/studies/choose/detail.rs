@@ -21,7 +21,7 @@ use super::problem::{ElasticSettings, Problem};
 use crate::experiment::budget::ProcessorClock;
 use gearbench_models::law::Damping;
 use gearbench_models::scene::Scene;
-use gearbench_models::spec::{Body, LocalContact, PointContact};
+use gearbench_models::spec::{Body, FlankContact};
 use gearbench_reference::reduction::ElasticParameters;
 use gearbench_reference::{MeshParameters, REFERENCES};
 
@@ -155,8 +155,7 @@ impl Details {
 
 /// True if all contacts are those of half-spaces.
 fn touches_on_half_spaces(flexible: &ElasticSettings) -> bool {
-    let is = |p: PointContact| p.local == LocalContact::HalfSpace;
-    (flexible.contacts.iter()).all(|c| c.points.is_some_and(is))
+    (flexible.contacts.iter()).all(|c| c.flanks == FlankContact::HalfSpace)
 }
 
 /// The gears of the scene on half-spaces; nothing where they touch so anyway.
@@ -173,13 +172,13 @@ fn half_spaces(problem: &Problem, modes: usize) -> Result<Option<ElasticSettings
         ..given.clone()
     };
     for c in &mut lead.contacts {
-        if c.points.is_some_and(|p| p.damping > 0.0) {
+        if c.flanks.penalty().is_some_and(|[_, dashpot]| dashpot > 0.0) {
             return Err("flank points have dashpots, which half-spaces do not know".into());
         }
         if !matches!(c.damping, Damping::None | Damping::RatioAtLoad { .. }) {
             return Err(format!("half-spaces do not know `{}`", c.damping.id()));
         }
-        c.points = Some(PointContact::half_space());
+        c.flanks = FlankContact::HalfSpace;
         c.exponent = 1.0;
     }
     match Scene::build(

@@ -120,7 +120,7 @@ pub fn outside(problem: &Problem, prepared: &CandidateData) -> Vec<String> {
         if c.friction.is_some() {
             found.push("flanks have friction; checked were smooth ones".into());
         }
-        if c.points.is_some_and(|p| p.hard) {
+        if c.flanks.is_hard() {
             found.push("contact is hard; checked were penalties".into());
         }
         if matches!(c.damping, Damping::RatioAtLoad { .. }) {

@@ -146,14 +146,14 @@ impl Problem {
             .filter_map(|p| p.damping_ratio)
             .fold(0.0, f64::max);
         let teeth = 2.0 * ratio / (TAU * self.tooth_frequency());
-        let points = of.contacts.get(mesh).and_then(|c| c.points);
-        let Some(points) = points.filter(PointContact::has_penalty) else {
+        let law = of.contacts.get(mesh).and_then(|c| c.flanks.penalty());
+        let Some([penalty, dashpot]) = law else {
             return teeth;
         };
         let part = self
-            .patch(mesh, points.penalty, force)
+            .patch(mesh, penalty, force)
             .map_or(1.0, |patch| (k / patch).min(1.0));
-        part * points.damping / points.penalty + (1.0 - part) * teeth
+        part * dashpot / penalty + (1.0 - part) * teeth
     }
 
     /// Stiffness of a patch of contact at the pitch point [N/m].
@@ -215,10 +215,7 @@ fn generated(scene: &SceneSpec, rigid: Option<&Modelling>) -> ElasticSettings {
                 damping: Damping::None,
                 friction: given.and_then(|c| c.friction),
                 slices: None,
-                points: Some(PointContact {
-                    damping,
-                    ..PointContact::new(PENALTY)
-                }),
+                flanks: PointContact::new(PENALTY).damped(damping).into(),
             }
         })
         .collect();

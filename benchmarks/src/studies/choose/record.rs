@@ -6,7 +6,7 @@ use super::requirement::Requirement;
 use super::run::{CandidateResult, Choice, LevelResult};
 use crate::experiment::budget::NOT_TRIED;
 use crate::experiment::machine;
-use gearbench_models::spec::{LocalContact, PointContact};
+use gearbench_models::spec::{FlankContact, PointLaw};
 use gearbench_reports::numbers::round_quantity;
 use gearbench_reports::record::{Part, Results, Tolerance, finite};
 use gearbench_reports::{CandidateRecord, ChoiceRecord, ChooseRecord, LevelRecord, Metric};
@@ -111,9 +111,7 @@ fn settings(problem: &Problem, choice: &Choice) -> Vec<(String, String)> {
         ("window".into(), choice.window.describe()),
     ];
     for (i, c) in problem.flexible.contacts.iter().enumerate() {
-        if let Some(p) = c.points {
-            all.push((format!("contact of mesh {}", i + 1), law(&p)));
-        }
+        all.extend(law(&c.flanks).map(|law| (format!("contact of mesh {}", i + 1), law)));
     }
     if !choice.not_tried.is_empty() {
         let rest = choice.not_tried.join("; ");
@@ -124,15 +122,15 @@ fn settings(problem: &Problem, choice: &Choice) -> Vec<(String, String)> {
     all
 }
 
-fn law(p: &PointContact) -> String {
-    if p.local == LocalContact::HalfSpace {
-        "half-spaces".into()
-    } else if p.hard {
-        "hard contact".into()
-    } else {
-        format!(
-            "penalty {:.3e} Pa/m, dashpot {:.3e} N s/m^3",
-            p.penalty, p.damping
-        )
-    }
+fn law(flanks: &FlankContact) -> Option<String> {
+    Some(match flanks {
+        FlankContact::Toothing => return None,
+        FlankContact::HalfSpace => "half-spaces".into(),
+        FlankContact::Points(points) => match points.law {
+            PointLaw::Hard => "hard contact".into(),
+            PointLaw::Penalty { stiffness, damping } => {
+                format!("penalty {stiffness:.3e} Pa/m, dashpot {damping:.3e} N s/m^3")
+            }
+        },
+    })
 }

@@ -17,7 +17,7 @@ use gearbench_models::gear::table::MODELS;
 use gearbench_models::law::Damping;
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{
-    Body, ContactSpec, GearSpec, Modelling, SceneSpec, effective_radius, mesh_layout,
+    Body, ContactSpec, FlankContact, GearSpec, Modelling, SceneSpec, effective_radius, mesh_layout,
 };
 use gearbench_models::stiffness::{
     ComplianceRow, Ends, Foundation, Hertz, Interpolation, IsoVariation, PairOrMesh, PairStiffness,
@@ -76,7 +76,7 @@ pub fn contact(stiffness: PairStiffness, exponent: f64, damping: Damping) -> Con
         damping,
         friction: None,
         slices: None,
-        points: None,
+        flanks: FlankContact::Toothing,
     }
 }
 

@@ -28,7 +28,8 @@ fn problem() -> Problem {
 fn without_dashpots() -> Problem {
     let mut s = problem();
     for c in &mut s.flexible.contacts {
-        c.points.as_mut().expect("points").damping = 0.0;
+        let points = c.flanks.points_mut().expect("points");
+        *points = points.damped(0.0);
     }
     s
 }
@@ -69,7 +70,7 @@ fn what_cannot_be_refined_is_told() {
     let why = d.no_half_spaces.as_deref().expect("a reason");
     assert!(why.contains("dashpots"), "{why}");
     let finer = d.finer.as_ref().expect("a finer mesh");
-    let points = |f: &ElasticSettings| f.contacts[0].points;
+    let points = |f: &ElasticSettings| f.contacts[0].flanks;
     assert_eq!(points(finer), points(&s.flexible));
     s.flexible.gears[1].reduction = Some("wheel.npz".into());
     let why = Details::of(&s, 0).finer.expect_err("a stored reduction");
@@ -216,7 +217,7 @@ fn static_solves_make_rigid_gears_as_stiff_as_elastic_ones() {
 fn gears_that_do_not_touch_have_no_static_stiffness() {
     let mut s = problem();
     for c in &mut s.flexible.contacts {
-        c.points.as_mut().expect("points").surface = SurfaceKind::Faceted;
+        c.flanks.points_mut().expect("points").surface = SurfaceKind::Faceted;
     }
     let found = calibrate(&s, &s.flexible, 1e-9);
     assert!(

@@ -38,7 +38,7 @@ use gearbench_integrators::Scheme;
 use gearbench_integrators::table::{DOPRI5, TRIGONOMETRIC};
 use gearbench_models::gear::parameters::ModelParameters;
 use gearbench_models::gear::table::{Model, properties_of};
-use gearbench_models::spec::{LocalContact, ModelSpec};
+use gearbench_models::spec::ModelSpec;
 use gearbench_reference::reduction::ElasticParameters;
 use gearbench_reports::comparison::{Kind, Yardstick};
 use gearbench_reports::metrics::{Metric, compare};
@@ -118,9 +118,8 @@ pub fn most_detailed(models: &[Model], entries: &[Configuration]) -> Option<Stri
         let modes = (e.modelling.gears.iter())
             .filter_map(|g| ElasticParameters::of(g)?.modes)
             .max();
-        let contacts = e.modelling.contacts.iter();
-        let on_half_spaces =
-            (contacts.filter_map(|c| c.points)).all(|p| p.local == LocalContact::HalfSpace);
+        let mut contacts = e.modelling.contacts.iter();
+        let on_half_spaces = contacts.all(|c| c.flanks.points().is_none());
         (kind(e), on_half_spaces, modes)
     };
     let most = entries.iter().max_by_key(|e| rank(e))?;

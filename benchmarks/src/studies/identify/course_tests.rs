@@ -4,7 +4,7 @@ use super::tests::{fitted, impact, keys, made, outcomes, plan};
 use super::*;
 use crate::experiment::runner::Runner;
 use crate::scene_file::calibration::{CURVATURE, Constants, GAP, SLOPE, STIFFNESS};
-use gearbench_models::spec::{PointContact, SceneSpec};
+use gearbench_models::spec::{FlankContact, PointContact, SceneSpec};
 use gearbench_reports::identify::Outcome;
 
 /// Impacts whose pair begins at places along the path.
@@ -152,7 +152,7 @@ fn what_a_model_has_not_is_refused_with_what_there_is() {
     };
     assert!(refused("rigid", SLOPE, &normed).contains("stiffness_n_per_m2"));
     let points = |plan: &mut FitPlan| {
-        plan.modelling.contacts[0].points = Some(PointContact::new(1e15));
+        plan.modelling.contacts[0].flanks = FlankContact::Points(PointContact::new(1e15));
         plan.modelling.gears[1].id = "elastic".into();
     };
     assert!(refused("rigid", CURVATURE, &points).contains("contact at flank points"));

@@ -15,7 +15,7 @@ use super::fit_parameters::FitParameters;
 use super::plan::{Data, DataSet, IdentifyError};
 use crate::scene_file::calibration::{CURVATURE, DAMPING, GAP, SLOPE, STIFFNESS, of_gear};
 use gearbench_models::gear::table::{Model, properties_of};
-use gearbench_models::spec::{Modelling, SceneSpec, Value};
+use gearbench_models::spec::{FlankContact, Modelling, SceneSpec, Value};
 use gearbench_models::stiffness::PairStiffness;
 
 /// Key of the clock offset of a data set.
@@ -324,7 +324,7 @@ fn has_path(spec: &SceneSpec, modelling: &Modelling, models: &[Model]) -> bool {
             let of = properties_of(models, &modelling.gears[gear].id);
             of.modes || of.full_order
         };
-        contact.points.is_none() || !mesh.gears.iter().any(elastic)
+        contact.flanks == FlankContact::Toothing || !mesh.gears.iter().any(elastic)
     })
 }
 

@@ -7,7 +7,7 @@ use crate::experiment::configuration::Configuration;
 use crate::scene_file::{ModelChoice, SceneFile};
 use gearbench_integrators::table::NEWMARK;
 use gearbench_models::gear::parameters::ModelParameters;
-use gearbench_models::spec::{LocalContact, PointContact, PointRule};
+use gearbench_models::spec::{FlankContact, Modelling, PointContact, PointLaw, PointRule};
 use gearbench_reference::assembly::tie::MassKind;
 use gearbench_reference::full_order::FullOrderParameters;
 use gearbench_reports::record::ReferenceSeries;
@@ -106,40 +106,35 @@ fn full(scene: &SceneFile, choice: &ModelChoice) -> Full {
 
 /// The penalty of a model in words: references with another one are another contact.
 fn penalty(choice: &ModelChoice) -> String {
-    let points = choice
-        .modelling
-        .contacts
-        .iter()
-        .find_map(|c| c.points.as_ref());
-    match points {
-        Some(p) if p.local == LocalContact::HalfSpace => ", half-spaces".into(),
-        Some(p) if p.hard => ", hard contact".into(),
-        Some(p) if p.rule == PointRule::EachNode => {
-            format!(", penalty {:.1e} N/m per node", p.penalty)
-        }
-        Some(p) => format!(", penalty {:.1e} Pa/m", p.penalty),
-        None => String::new(),
+    match flanks(&choice.modelling) {
+        Some(FlankContact::HalfSpace) => ", half-spaces".into(),
+        Some(FlankContact::Points(p)) => match p.law {
+            PointLaw::Hard => ", hard contact".into(),
+            PointLaw::Penalty { stiffness, .. } if p.rule == PointRule::EachNode => {
+                format!(", penalty {stiffness:.1e} N/m per node")
+            }
+            PointLaw::Penalty { stiffness, .. } => format!(", penalty {stiffness:.1e} Pa/m"),
+        },
+        Some(FlankContact::Toothing) | None => String::new(),
     }
 }
 
-/// True if two contacts between flank points have the same physics: the penalty, and its unit. The positions of the
-/// points are a matter of resolution.
-fn has_same_physics(a: &PointContact, b: &PointContact) -> bool {
-    let each = |c: &PointContact| c.rule == PointRule::EachNode;
-    a.hard == b.hard
-        && a.local == b.local
-        && each(a) == each(b)
-        && (a.hard || a.penalty == b.penalty)
-        && a.damping == b.damping
-        && a.surface == b.surface
+/// True if two contacts of flanks have the same physics: the penalty, and its unit. The positions of the points are a
+/// matter of resolution.
+fn has_same_physics(a: &FlankContact, b: &FlankContact) -> bool {
+    match (a, b) {
+        (FlankContact::Points(a), FlankContact::Points(b)) => {
+            let each = |c: &PointContact| c.rule == PointRule::EachNode;
+            a.law == b.law && each(a) == each(b) && a.surface == b.surface
+        }
+        (a, b) => a == b,
+    }
 }
 
-fn points(entry: &Configuration) -> Option<&PointContact> {
-    entry
-        .modelling
-        .contacts
-        .iter()
-        .find_map(|c| c.points.as_ref())
+/// The contact of flanks that are those of finite elements.
+fn flanks(modelling: &Modelling) -> Option<&FlankContact> {
+    let mut all = modelling.contacts.iter().map(|c| &c.flanks);
+    all.find(|f| **f != FlankContact::Toothing)
 }
 
 /// Returns the references of a variant: for models with flank points the ones with the same contact. Lines of action
@@ -150,9 +145,9 @@ pub(super) fn references_for(
     fulls: &[Full],
     external: &[ReferenceSeries],
 ) -> Vec<String> {
-    let own = points(&variant.entry);
-    let per_area = |c: &PointContact| c.rule != PointRule::EachNode;
-    let fits = |other: &Configuration| match (own, points(other)) {
+    let own = flanks(&variant.entry.modelling);
+    let per_area = |c: &FlankContact| c.points().is_none_or(|p| p.rule != PointRule::EachNode);
+    let fits = |other: &Configuration| match (own, flanks(&other.modelling)) {
         (Some(a), Some(b)) => has_same_physics(a, b),
         (None, Some(b)) => per_area(b),
         _ => true,
@@ -169,7 +164,7 @@ pub(super) fn references_for(
         let full = |m: &&ModelChoice| m.model == FULL;
         let entries: Vec<Configuration> = (scene.models.iter().filter(full))
             .map(|m| Configuration::of(scene, m))
-            .filter(|m| points(m).is_some_and(per_area))
+            .filter(|m| flanks(&m.modelling).is_some_and(per_area))
             .collect();
         if entries.is_empty() || entries.iter().any(fits) {
             ids.push(e.id.clone());

@@ -7,7 +7,8 @@ use gearbench_models::gear::movable_teeth::{MovableTeethParameters, PerTooth};
 use gearbench_models::gear::parameters::ModelParameters;
 use gearbench_models::law::Damping;
 use gearbench_models::spec::{
-    ContactSpec, GearSpec, Modelling, Mount, SceneSpec, mesh_layout, stiffness_curve,
+    ContactSpec, FlankContact, GearSpec, Modelling, Mount, PointLaw, SceneSpec, mesh_layout,
+    stiffness_curve,
 };
 use gearbench_models::stiffness::{Ends, Interpolation, PairStiffness};
 use gearbench_reference::full_order::FullOrderParameters;
@@ -60,7 +61,8 @@ impl Axis {
                 }
             }
             Axis::ContactStiffness => {
-                let none = |c: &ContactSpec| c.points.is_some_and(|p| !p.has_penalty());
+                let none =
+                    |c: &ContactSpec| c.flanks == FlankContact::HalfSpace || c.flanks.is_hard();
                 if setup.modelling.contacts.iter().any(none) {
                     return without("hard contact and half-spaces have no stiffness to choose");
                 }
@@ -161,15 +163,17 @@ impl Axis {
 /// Multiplies all contact stiffnesses and penalties.
 fn stiffen(factor: f64, scene: &SceneSpec, modelling: &mut Modelling) -> Result<(), AxisError> {
     for (contact, mesh) in modelling.contacts.iter_mut().zip(&scene.meshes) {
-        if let Some(points) = &mut contact.points {
-            points.penalty *= factor;
+        if let Some(PointLaw::Penalty { stiffness, .. }) =
+            contact.flanks.points_mut().map(|p| &mut p.law)
+        {
+            *stiffness *= factor;
         }
         match &mut contact.stiffness {
             PairStiffness::Constant { per_width, .. }
             | PairStiffness::Parabola { per_width, .. } => *per_width *= factor,
             PairStiffness::Table { k, .. } => k.iter_mut().for_each(|k| *k *= factor),
             // Flank points have a penalty; a stiffness of a norm does not apply to them.
-            _ if contact.points.is_some() => {}
+            _ if contact.flanks != FlankContact::Toothing => {}
             _ => {
                 let [a, b] = mesh.gears.map(|i| &scene.gears[i]);
                 contact.stiffness = scaled_table(factor, a, b, contact)?;

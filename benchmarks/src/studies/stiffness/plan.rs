@@ -5,7 +5,9 @@ use crate::scene_file::formula_limits;
 use gearbench_models::gear::rigid;
 use gearbench_models::gear::table::{Model, properties_of};
 use gearbench_models::geometry::Mate;
-use gearbench_models::spec::{Body, LocalContact, Modelling, PointRule, SceneSpec, mesh_layout};
+use gearbench_models::spec::{
+    Body, FlankContact, Modelling, PointLaw, PointRule, SceneSpec, mesh_layout,
+};
 use gearbench_models::stiffness::{
     Foundation, Hertz, IsoVariation, PairStiffness, ToothModel, iso_of,
 };
@@ -36,7 +38,7 @@ impl Entry {
     /// Formulas of its contacts that have left their range, in words; flank points have none.
     pub fn limits(&self) -> Vec<String> {
         let contacts = self.spec.meshes.iter().zip(&self.modelling.contacts);
-        (contacts.filter(|(_, contact)| contact.points.is_none()))
+        (contacts.filter(|(_, contact)| contact.flanks == FlankContact::Toothing))
             .flat_map(|(mesh, contact)| formula_limits(&self.spec, mesh.gears, contact))
             .collect()
     }
@@ -51,7 +53,7 @@ pub fn formulas(spec: &SceneSpec, modelling: &Modelling) -> [Entry; 2] {
         for contact in &mut modelling.contacts {
             contact.stiffness = stiffness.clone();
             contact.exponent = 1.0;
-            contact.points = None;
+            contact.flanks = FlankContact::Toothing;
         }
         Entry {
             label: label.into(),
@@ -109,23 +111,24 @@ pub fn includes(modelling: &Modelling, models: &[Model]) -> String {
     let Some(contact) = modelling.contacts.first() else {
         return String::new();
     };
-    match contact.points {
-        Some(p) if p.local == LocalContact::HalfSpace => {
+    match contact.flanks {
+        FlankContact::HalfSpace => {
             "teeth, body to the rigid bore, Hertz's half-spaces in the place of the elements in contact".into()
         }
-        Some(p) if p.hard => "teeth, body to the rigid bore, hard contact over the mesh".into(),
-        Some(p) => {
-            let unit = match p.rule {
-                PointRule::EachNode => "N/m per node",
-                _ => "Pa/m",
-            };
-            format!(
-                "teeth, body to the rigid bore, contact over the mesh, penalty {:.1e} {unit}",
-                p.penalty
-            )
-        }
-        None if all_rigid => contact.stiffness.describe(),
-        None => format!(
+        FlankContact::Points(p) => match p.law {
+            PointLaw::Hard => "teeth, body to the rigid bore, hard contact over the mesh".into(),
+            PointLaw::Penalty { stiffness, .. } => {
+                let unit = match p.rule {
+                    PointRule::EachNode => "N/m per node",
+                    _ => "Pa/m",
+                };
+                format!(
+                    "teeth, body to the rigid bore, contact over the mesh, penalty {stiffness:.1e} {unit}"
+                )
+            }
+        },
+        FlankContact::Toothing if all_rigid => contact.stiffness.describe(),
+        FlankContact::Toothing => format!(
             "the model's own springs in series with {}",
             contact.stiffness.describe()
         ),

@@ -248,7 +248,7 @@ fn differ_in_modes_alone(elastic: &Modelling, full: &Modelling) -> bool {
     };
     let contacts = elastic.contacts.iter().zip(&full.contacts);
     elastic.gears.iter().zip(&full.gears).all(same_mesh)
-        && contacts.into_iter().all(|(e, f)| e.points == f.points)
+        && contacts.into_iter().all(|(e, f)| e.flanks == f.flanks)
 }
 
 fn is_truncated(choice: &ModelChoice) -> bool {

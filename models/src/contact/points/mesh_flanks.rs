@@ -12,7 +12,7 @@ use crate::contact::pairs::MeshGeometry;
 use crate::error::Reason;
 use crate::geometry::Side;
 use crate::kinematics::Tooth;
-use crate::spec::{Body, Passes, PointContact};
+use crate::spec::{Body, Passes, PointContact, PointLaw};
 
 /// Largest gap of undeformed flanks in the search, relative to the base pitch.
 const REACH: f64 = 0.02;
@@ -55,12 +55,16 @@ impl MeshFlanks {
             FlankedGear::new(search_gears[k], settings.surface, &rule).map_err(|e| (Some(k), e))
         };
         let gears = [flanked(0)?, flanked(1)?];
-        let p = settings.penalty;
+        // Hard contact uses the areas of the points alone, so that its penalty is arbitrary.
+        let (hard, p) = match settings.law {
+            PointLaw::Penalty { stiffness, .. } => (false, stiffness),
+            PointLaw::Hard => (true, 1.0),
+        };
         let penalty = match settings.passes {
             Passes::First => [p, 0.0],
             Passes::Second => [0.0, p],
-            Passes::Auto if settings.hard && (gears[0].own || !gears[1].own) => [p, 0.0],
-            Passes::Auto if settings.hard => [0.0, p],
+            Passes::Auto if hard && (gears[0].own || !gears[1].own) => [p, 0.0],
+            Passes::Auto if hard => [0.0, p],
             Passes::Auto | Passes::Both => [0.5 * p, 0.5 * p],
         };
         let layout = Layout::of(&search_gears, geometry, &gears);
@@ -84,7 +88,7 @@ impl MeshFlanks {
             length: geometry.length,
             helix_cos: geometry.base_helix.cos(),
             base_pitch: geometry.base_pitch,
-            hard: settings.hard,
+            hard,
             zone: [geometry.zone[0] - beside, geometry.zone[1] + beside],
             layout,
         })

@@ -31,7 +31,7 @@ pub(crate) fn flanked(id: &str, rows: usize, columns: usize) -> ModelSpec {
 
 fn with_points(points: PointContact) -> ContactSpec {
     ContactSpec {
-        points: Some(points),
+        flanks: points.into(),
         ..contact(1.5e10)
     }
 }

@@ -174,10 +174,9 @@ fn the_condensed_correction_is_the_dense_one() {
     };
     for (along, across) in [(5, 2), (10, 10)] {
         let points = PointContact {
-            damping: 1e8,
             rule: PointRule::Quadrature { along, across },
             passes: Passes::Both,
-            ..PointContact::new(1e15)
+            ..PointContact::new(1e15).damped(1e8)
         };
         let solve = |models: &[ModelSpec], points: PointContact| {
             let (mut scene, s) = pressed(models, points, -40e-6, 2e-7);
@@ -193,10 +192,7 @@ fn the_condensed_correction_is_the_dense_one() {
         let size = |condensed| nodal(5, 2, condensed);
         let (dense, n, scale) = solve(&[size(false), size(false)], points);
         let (condensed, _, _) = solve(&[size(true), size(false)], points);
-        let without = PointContact {
-            damping: 0.0,
-            ..PointContact::new(1e-9)
-        };
+        let without = PointContact::new(1e-9).damped(0.0);
         let (open, _, _) = solve(&[size(false), size(false)], without);
         assert!(n > 8, "{n} points touch");
         let apart = |x: &[f64], y: &[f64]| {

@@ -8,9 +8,8 @@ const DASHPOTS: [f64; 3] = [1e9, 4e9, 2e10];
 
 fn damped(damping: f64) -> ContactSpec {
     with_points(PointContact {
-        damping,
         rule: quadrature(3, 1),
-        ..PointContact::new(1e15)
+        ..PointContact::new(1e15).damped(damping)
     })
 }
 

@@ -8,8 +8,7 @@ fn rubbing(mu: f64, v_ref: f64) -> ContactSpec {
         friction: Some(Friction::new(mu, v_ref).unwrap()),
         ..with_points(PointContact {
             rule: quadrature(3, 1),
-            damping: 1e9,
-            ..PointContact::new(1e15)
+            ..PointContact::new(1e15).damped(1e9)
         })
     }
 }

@@ -150,14 +150,6 @@ fn singular_hard_contact_is_refused() {
             },
             ["both passes", "first or the second"],
         ),
-        (
-            [elastic(), elastic()],
-            PointContact {
-                damping: 1e7,
-                ..hard
-            },
-            ["dashpot", "remove the damping"],
-        ),
     ] {
         let Err(e) = try_build(&spec, &models, &with_points(points)) else {
             panic!("accepted: {words:?}")

@@ -34,7 +34,7 @@ fn toy(rows: usize, columns: usize, modes: usize, residual: f64) -> ModelSpec {
 
 fn with_points(points: PointContact) -> ContactSpec {
     ContactSpec {
-        points: Some(points),
+        flanks: points.into(),
         ..contact(1.5e10)
     }
 }

@@ -5,10 +5,7 @@ use gearbench_integrators::Resolution;
 
 /// Returns force and speeds at the end of an impact, by name of the gears.
 fn end_of(spec: &SceneSpec, model: &ModelSpec, damping: f64, id: &str, step: f64) -> Vec<f64> {
-    let points = PointContact {
-        damping,
-        ..PointContact::new(1e15)
-    };
+    let points = PointContact::new(1e15).damped(damping);
     let mut scene = build(spec, &[model.clone(), model.clone()], &with_points(points));
     let outcome = run(&mut scene, id, Resolution::Step(step), 3e-5).unwrap(id);
     let mut found = vec![outcome.peak, outcome.impulse];

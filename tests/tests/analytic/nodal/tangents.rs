@@ -9,10 +9,7 @@ use gearbench_models::law::Friction;
 fn touching() -> Vec<(&'static str, Scene, State)> {
     let mut all = Vec::new();
     let elastic = || toy(13, 3, 6, 2e-9);
-    let damped = PointContact {
-        damping: 2e8,
-        ..PointContact::new(1e15)
-    };
+    let damped = PointContact::new(1e15).damped(2e8);
     let rubbing = Some(Friction::new(0.3, 0.5).unwrap());
     for (name, models, points, exponent, friction) in [
         (

@@ -3,7 +3,7 @@
 use super::*;
 use gearbench::context::Context;
 use gearbench::scene_file::{Origin, SceneFile};
-use gearbench_models::spec::{LocalContact, Mount, PointContact};
+use gearbench_models::spec::{FlankContact, Mount, PointContact};
 
 mod potential;
 
@@ -23,10 +23,9 @@ pub(super) fn half_space(elements: f64, layers: f64, modes: f64) -> Modelling {
     };
     let contact = ContactSpec {
         slices: Some(layers as usize),
-        points: Some(PointContact::half_space()),
+        flanks: FlankContact::HalfSpace,
         ..contact(1.4e10)
     };
-    assert_eq!(contact.points.unwrap().local, LocalContact::HalfSpace);
     Modelling {
         gears: vec![elastic.clone(), elastic],
         contacts: vec![contact],
@@ -141,7 +140,8 @@ fn transmission_error_over_meshes() {
                 let cycles = [8.0, 12.0, 24.0, 48.0].map(|elements| {
                     let mut modelling = half_space(elements, 1.0, 0.0);
                     if !on_half_spaces {
-                        modelling.contacts[0].points = Some(PointContact::new(1e17));
+                        modelling.contacts[0].flanks =
+                            FlankContact::Points(PointContact::new(1e17));
                     }
                     (elements, cycle(&spec, &modelling, load, 100))
                 });

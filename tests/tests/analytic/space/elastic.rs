@@ -4,7 +4,9 @@ use super::*;
 use gearbench_integrators::SecondOrderSystem;
 use gearbench_integrators::dense_solve::solve_in_place;
 use gearbench_integrators::system::{Coeffs, StateView};
-use gearbench_models::spec::{ContactSpec, ModelSpec, Parameters, PointContact, Value};
+use gearbench_models::spec::{
+    ContactSpec, FlankContact, ModelSpec, Parameters, PointContact, Value,
+};
 
 /// Returns the artificial elastic gear with nodes over the width.
 pub fn toy() -> ModelSpec {
@@ -22,10 +24,7 @@ pub fn toy() -> ModelSpec {
 
 pub fn on_points(damping: f64) -> ContactSpec {
     ContactSpec {
-        points: Some(PointContact {
-            damping,
-            ..PointContact::new(1e15)
-        }),
+        flanks: FlankContact::Points(PointContact::new(1e15).damped(damping)),
         ..contact(1.5e10)
     }
 }

@@ -7,7 +7,7 @@ use gearbench_models::Vec3;
 use gearbench_models::kinematics::Row;
 use gearbench_models::law::Friction;
 use gearbench_models::scene::Scene;
-use gearbench_models::spec::ContactSpec;
+use gearbench_models::spec::{ContactSpec, FlankContact};
 use gearbench_tests::*;
 
 pub(super) const COEFFICIENTS: [Coeffs; 3] = [
@@ -111,7 +111,7 @@ fn correction_is_the_inverse_of_the_newton_matrix() {
                             damping,
                             friction: None,
                             slices: None,
-                            points: None,
+                            flanks: FlankContact::Toothing,
                         };
                         let (mut scene, s) = pressed(&models, &contact, located, depth);
                         for c in COEFFICIENTS {

@@ -10,7 +10,7 @@ use gearbench_models::gear::movable_teeth::{MovableTeethParameters, PerTooth};
 use gearbench_models::gear::parameters::ModelParameters;
 use gearbench_models::gear::table::Model;
 use gearbench_models::law::Damping;
-use gearbench_models::spec::{ContactSpec, ModelSpec, Modelling, SceneSpec};
+use gearbench_models::spec::{ContactSpec, FlankContact, ModelSpec, Modelling, SceneSpec};
 use gearbench_reference::reduction::ElasticParameters;
 
 /// Damping ratio of the modes, contacts and teeth of a model that has no damping of its own.
@@ -92,10 +92,8 @@ fn damps(gear: &ModelSpec) -> bool {
 }
 
 fn dissipates(contact: &ContactSpec) -> bool {
-    match contact.points {
-        Some(p) => p.damping > 0.0,
-        None => contact.damping != Damping::None,
-    }
+    let dashpot = contact.flanks.penalty().map_or(0.0, |[_, dashpot]| dashpot);
+    dashpot > 0.0 || contact.damping != Damping::None
 }
 
 fn damp(gear: &mut ModelSpec) -> Option<&'static str> {
@@ -113,7 +111,7 @@ fn damp(gear: &mut ModelSpec) -> Option<&'static str> {
 }
 
 fn damp_contact(contact: &mut ContactSpec) -> Option<&'static str> {
-    if contact.points.is_some() || contact.exponent != 1.0 {
+    if contact.flanks != FlankContact::Toothing || contact.exponent != 1.0 {
         return None;
     }
     contact.damping = Damping::KelvinVoigtRatio { ratio: RATIO };

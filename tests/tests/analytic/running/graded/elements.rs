@@ -139,7 +139,7 @@ impl ElementFineness {
         let modelling = Modelling {
             gears: gears.collect(),
             contacts: vec![ContactSpec {
-                points: Some(points),
+                flanks: points.into(),
                 ..contact(1.4e10)
             }],
         };

@@ -6,7 +6,7 @@ use super::*;
 use gearbench_integrators::{AcceptedStep, Control, Resolution, SecondOrderSystem, Sink, TimePlan};
 use gearbench_models::contact::Candidate;
 use gearbench_models::spec::{
-    ContactSpec, ModelSpec, Modelling, Parameters, PointContact, PointRule, Value,
+    ContactSpec, FlankContact, ModelSpec, Modelling, Parameters, PointContact, PointRule, Value,
 };
 use gearbench_reference::statics::LoadedPair;
 
@@ -30,7 +30,7 @@ fn meshed(id: &str, flank: f64, width: f64, modes: Option<f64>) -> ModelSpec {
 /// Returns a contact with a number of points of a face along the profile and over the width.
 fn points(along: usize, across: usize) -> ContactSpec {
     let mut law = on_points(0.0);
-    law.points = Some(PointContact {
+    law.flanks = FlankContact::Points(PointContact {
         rule: PointRule::Quadrature { along, across },
         reach: Some(1.5e-3),
         ..PointContact::new(1e15)
@@ -269,7 +269,7 @@ fn cones_without_angle_are_cylinders() {
 fn half_spaces_stay_with_cylindrical_gears() {
     let model = meshed("elastic", 5.0, 3.0, Some(2.0));
     let mut law = on_points(0.0);
-    law.points = Some(PointContact::half_space());
+    law.flanks = FlankContact::HalfSpace;
     let refused = try_build(&small_pair(0.0), &[model.clone(), model], &law);
     let why = refused.err().expect("it is refused").to_string();
     assert!(why.contains("conical") || why.contains("about z"), "{why}");

@@ -21,8 +21,8 @@ fn damped(dashpots: f64) -> Configuration {
         (gear.parameters).insert("modes".into(), Value::Number(60.0));
     }
     for contact in &mut entry.modelling.contacts {
-        if let Some(points) = &mut contact.points {
-            points.damping = dashpots;
+        if let Some(points) = contact.flanks.points_mut() {
+            *points = points.damped(dashpots);
         }
     }
     entry
