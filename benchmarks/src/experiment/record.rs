@@ -27,15 +27,12 @@ pub fn reduction(scene: &Scene, modelling: &Modelling) -> Run {
             found.modes_of_gears.push(0);
             continue;
         };
-        let kept = gear.model.hub().own;
-        found.modes_of_gears.push(kept);
-        // The characteristic time of such a gear is that of its fastest mode.
-        let highest = (std::f64::consts::TAU * gear.model.hub().characteristic_time).recip();
-        found.modes = found.modes.max(Some(kept));
+        let kept = field.mode_frequencies();
+        found.modes_of_gears.push(kept.len());
+        found.modes = found.modes.max(Some(kept.len()));
         found.residual = Some(found.residual.unwrap_or(false) || field.is_compliant());
-        if kept > 0 {
-            found.highest_hz = Some(found.highest_hz.unwrap_or(0.0).max(highest));
-        }
+        let highest = kept.iter().map(|w| w / std::f64::consts::TAU);
+        found.highest_hz = highest.chain(found.highest_hz).reduce(f64::max);
         if let Some(way) = ElasticParameters::of(spec).and_then(|p| p.choose) {
             found.choose = Some(way.id().into());
         }

@@ -35,6 +35,9 @@ pub trait FlankDisplacement {
         None
     }
 
+    /// Returns the natural frequencies of the kept modes of the body [rad/s], in the order of its coordinates.
+    fn mode_frequencies(&self) -> &[f64];
+
     /// Returns true if there is a residual compliance.
     fn is_compliant(&self) -> bool;
 

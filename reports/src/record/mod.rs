@@ -34,7 +34,7 @@ pub use source::Source;
 
 /// Keys of values that depend on the clock or on the machine: two records of one study may differ in these, at every
 /// depth.
-pub const OF_THE_CLOCK: [&str; 17] = [
+pub const OF_THE_CLOCK: [&str; 18] = [
     "wall_s",
     "wall_spread_s",
     "repeats",
@@ -51,6 +51,8 @@ pub const OF_THE_CLOCK: [&str; 17] = [
     "finding",
     "created",
     "machine",
+    // The processor of a stored baseline.
+    "cpu",
     "command",
     "reason",
 ];

@@ -9,10 +9,9 @@ use std::path::Path;
 /// Largest length of lists of numbers that are written number by number.
 const SHORT: usize = 6;
 
-/// Parts of names whose values are times, or depend on times.
+/// Parts of names whose values are times, or depend on times or on the machine.
 const TIMED: [&str; 10] = [
-    "wall", "setup", "repeats", "machine", "commit", "created", "command", "cost", "solve_s",
-    "cpu_s",
+    "wall", "setup", "repeats", "machine", "commit", "created", "command", "cost", "solve_s", "cpu",
 ];
 
 /// Keys of a choice that depend on measured times: the cheapest candidate, and data of it alone.

@@ -378,7 +378,7 @@ mod tests {
             ["\"hertz\"", "\"x,y\"", "true"]
         );
         assert_eq!(listed("a=[1, 2],{ k = 1 }"), ["[1, 2]", "{ k = 1 }"]);
-        assert_eq!(listed("a=1..3:3"), ["1e0", "2e0", "3e0"]);
+        assert_eq!(listed("a=1..3:3"), ["1.0", "2.0", "3.0"]);
         assert_eq!(listed("a=1e-6..1e-2:3:log").len(), 3);
         assert_eq!(listed("a | b = 1 | 10, 2 | 5"), ["1|10", "2|5"]);
         let axis: Axis = "models.\"rigid-5.72\".contact.friction=0.1"

@@ -53,6 +53,10 @@ impl FlankDisplacement for Elastic {
         self.data.along_profile.then_some(self.data.nodes() as u32)
     }
 
+    fn mode_frequencies(&self) -> &[f64] {
+        &self.data.omega
+    }
+
     fn is_compliant(&self) -> bool {
         self.data.residual.is_some()
     }
