@@ -7,6 +7,8 @@
 
 use criterion::measurement::{Measurement, ValueFormatter};
 use criterion::{Criterion, SamplingMode, Throughput};
+use gearbench::experiment::machine;
+use serde_json::{Value, json};
 use std::time::{Duration, Instant};
 
 /// Criterion with ratios of two times instead of times.
@@ -89,6 +91,7 @@ pub fn by_turns(
     id: &str,
     mut turn: impl FnMut() -> [f64; 2],
 ) -> [f64; 2] {
+    let name = format!("{group}: {id}");
     let mut least = [f64::INFINITY; 2];
     let mut group = criterion.benchmark_group(group);
     group.sampling_mode(SamplingMode::Flat);
@@ -105,7 +108,30 @@ pub fn by_turns(
         });
     });
     group.finish();
+    keep(&name, least[0] / least[1]);
     least
+}
+
+/// Adds a ratio to the file after `--ratios`, if one is given: by bench and name, beside those of other benches.
+///
+/// # Panics
+/// When the file cannot be read as ratios, or not be written.
+fn keep(name: &str, ratio: f64) {
+    let Some(file) = super::scenes::after("--ratios") else {
+        return;
+    };
+    let before = std::fs::read_to_string(&file).unwrap_or_else(|_| "{}".into());
+    let mut all: Value = serde_json::from_str(&before).unwrap_or_else(|e| panic!("{file}: {e}"));
+    let program = std::env::current_exe().unwrap_or_default();
+    let stem = program.file_stem().unwrap_or_default().to_string_lossy();
+    // Cargo appends a hash.
+    let bench = stem.rsplit_once('-').map_or(&*stem, |(name, _)| name);
+    // Three digits are more than a ratio repeats to.
+    all[bench]["ratios"][name] = json!((1e3 * ratio).round() / 1e3);
+    all[bench]["command"] = json!(format!("cargo bench --bench {bench} -- --ratios FILE"));
+    all[bench]["commit"] = json!(machine::commit_of_checkout());
+    all[bench]["machine"] = json!(machine::machine());
+    std::fs::write(&file, format!("{all:#}\n")).unwrap_or_else(|e| panic!("{file}: {e}"));
 }
 
 /// Returns the median of some times.
