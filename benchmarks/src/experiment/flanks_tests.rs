@@ -23,7 +23,10 @@ fn force_of(picture: &ContactSnapshot) -> f64 {
 /// Elastic flanks: pressures times areas of the points sum up to the force, and the points are within the face.
 #[test]
 fn patches_of_elastic_flanks_bear_the_force() {
-    let run = run_of(&coarse("modes = 4"), TRIGONOMETRIC.at_step(1e-6));
+    let run = run_of(
+        &coarse(&[("modes", 4.0.into())]),
+        TRIGONOMETRIC.at_step(1e-6),
+    );
     let picture = run.contacts.as_ref().unwrap();
     let [load] = &picture.flanks[..] else {
         panic!("one mesh touches on one side")
@@ -107,8 +110,8 @@ contact = { stiffness = "iso6336", slices = 10 }
 /// tips. (Their normals are chords of the grid, with errors of a few degrees near its ends.)
 #[test]
 fn sections_yield_as_the_body_does() {
-    yields_as_the_body(&coarse("modes = 6"));
-    yields_as_the_body(&coarse_rack("modes = 6"));
+    yields_as_the_body(&coarse(&[("modes", 6.0.into())]));
+    yields_as_the_body(&coarse_rack(&[("modes", 6.0.into())]));
 }
 
 fn yields_as_the_body(file: &SceneFile) {

@@ -160,6 +160,24 @@ impl From<RackTable> for ToothedTable {
     }
 }
 
+impl From<f64> for ParameterValue {
+    fn from(x: f64) -> Self {
+        ParameterValue::Number(x)
+    }
+}
+
+impl From<&str> for ParameterValue {
+    fn from(x: &str) -> Self {
+        ParameterValue::Text(x.to_owned())
+    }
+}
+
+impl From<bool> for ParameterValue {
+    fn from(x: bool) -> Self {
+        ParameterValue::Flag(x)
+    }
+}
+
 impl<T> From<T> for OneOrMany<T> {
     fn from(one: T) -> Self {
         OneOrMany::One(one)

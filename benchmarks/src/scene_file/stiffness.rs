@@ -76,6 +76,7 @@ keys! {
     }
 
     /// A stiffness by its values over the path coordinate.
+    #[derive(Default)]
     struct TabulatedTable {
         /// list of path coordinates in metres, ascending
         path_coordinate_m: Vec<f64>,

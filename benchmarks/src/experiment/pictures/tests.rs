@@ -244,7 +244,7 @@ fn movable_teeth_yield() {
 /// displacements along the normals of the model's own flanks, the meshes the modes and the stiffness of the mesh.
 #[test]
 fn elastic_gears_show_their_displacement() {
-    let scene = coarse("modes = 6");
+    let scene = coarse(&[("modes", 6.0.into())]);
     let (run, frames) = pictured(&scene, TRIGONOMETRIC.at_step(1e-6), 13);
     bears_the_force(&run, &frames, 2e-2);
     let series = run.series.as_ref().unwrap();

@@ -21,7 +21,10 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 
 fn problem() -> Problem {
-    Problem::of(&coarse("modes = 30, damping_ratio = 0.01"))
+    Problem::of(&coarse(&[
+        ("modes", 30.0.into()),
+        ("damping_ratio", 0.01.into()),
+    ]))
 }
 
 /// Returns the scene of [`problem`] without dashpots at flank points.
@@ -127,7 +130,7 @@ fn a_choice_is_held_against_the_finer_mesh() {
 
     let p = CandidateData::of(&s).expect("a scene that runs");
     let all = p.candidates(&s);
-    let file = coarse("modes = 30, damping_ratio = 0.01");
+    let file = coarse(&[("modes", 30.0.into()), ("damping_ratio", 0.01.into())]);
     for (detail, elements) in [(Detail::HalfSpaces, 4), (Detail::Finer, 8)] {
         let of = |c: &&Candidate| c.level.detail() == Some(detail);
         let candidate = all.iter().find(of).expect("a candidate");

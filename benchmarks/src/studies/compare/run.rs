@@ -271,7 +271,7 @@ mod tests {
     /// solution, and the others run.
     #[test]
     fn a_method_that_a_model_does_not_take_is_left_out() {
-        let scene = coarse("modes = 4, spin_terms = \"full\"");
+        let scene = coarse(&[("modes", 4.0.into()), ("spin_terms", "full".into())]);
         let choices: Vec<_> = scene.models.iter().collect();
         let methods = vec![TRIGONOMETRIC.at_step(1e-6), DOPRI5.at_tolerance(1e-5)];
         let plan = Plan::of(&scene, &choices, &[]).with_methods(methods);

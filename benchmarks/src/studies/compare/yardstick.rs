@@ -402,7 +402,7 @@ mod tests {
     /// if a further run fails, their error is unknown and nothing is decided. Both are reported.
     #[test]
     fn refined_gears_that_do_not_end_are_told() {
-        let scene = coarse("modes = 10");
+        let scene = coarse(&[("modes", 10.0.into())]);
         let choices: Vec<_> = scene.models.iter().collect();
         let mut plan = Plan::of(&scene, &choices, &[]);
         let problem = Problem::of(&scene);

@@ -267,7 +267,7 @@ const TEETH: &str = "model = \"movable-teeth\"\ncontact = { stiffness = { kind =
 
 #[test]
 fn frames_hold_the_momentum_of_gears() {
-    let elastic = coarse("modes = 12");
+    let elastic = coarse(&[("modes", 12.0.into())]);
     for file in [rigid(0.0), pressed("", TEETH), elastic] {
         let mut of = built(&file);
         let s = of.scene.initial();
@@ -328,9 +328,17 @@ fn every_model_comes_to_its_whole() {
     let speed = "speed_rad_s = 5.0";
     let cases: [(SceneFile, Scheme, f64); 3] = [
         (pressed(speed, TEETH), RK4.at_step(1e-7), 8e-5),
-        (coarse("modes = 12"), TRIGONOMETRIC.at_step(2.5e-7), 8e-5),
         (
-            coarse("modes = 12, residual = false, choose = \"frequency\""),
+            coarse(&[("modes", 12.0.into())]),
+            TRIGONOMETRIC.at_step(2.5e-7),
+            8e-5,
+        ),
+        (
+            coarse(&[
+                ("modes", 12.0.into()),
+                ("residual", false.into()),
+                ("choose", "frequency".into()),
+            ]),
             VELOCITY_VERLET.at_step(2.5e-8),
             8e-5,
         ),

@@ -72,7 +72,7 @@ fn a_study_labels_its_runs() {
 
 #[test]
 fn a_twin_by_plain_truncation_has_the_lowest_modes_alone() {
-    let file = coarse("modes = 12");
+    let file = coarse(&[("modes", 12.0.into())]);
     let of = Configuration::of(&file, &file.models[0]);
     let method = VELOCITY_VERLET.at_step(1e-8);
     let twin = truncated(&of, method, 1e-8);
