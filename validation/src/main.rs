@@ -85,7 +85,7 @@ fn agree(context: &Context, args: &arguments::Agreement) -> Result<CommandResult
     let file = args.out.join("agreement.md");
     let mut rows: Vec<agreement::Row> = Vec::new();
     for number in first..=last {
-        let of = agreement::scene(number);
+        let of = agreement::scene(number).map_err(|e| Refusal::Failed(e.to_string()))?;
         let folder = args.out.join(format!("scene-{number:02}"));
         let row = agreement::compare_answers(&of, &program, &folder).map_err(fail)?;
         context.messages.print_line(&format!(
