@@ -60,6 +60,7 @@ keys! {
     }
 
     /// A stiffness from the compliances of tooth, foundation and contact.
+    #[derive(Default)]
     struct ComplianceTable {
         /// "weber-banaschek" (default), "cornell" or "energy"
         tooth: Option<ToothModel>,

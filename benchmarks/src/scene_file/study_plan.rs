@@ -67,6 +67,7 @@ keys! {
     }
 
     /// The accuracy that a scene requires.
+    #[derive(Default)]
     struct ToleranceTable {
         /// metric that is limited, default "force_l2_aligned", against "self" "force_l1"
         metric: Option<MetricKey>,

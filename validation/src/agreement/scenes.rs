@@ -147,8 +147,7 @@ pub fn scene(number: usize) -> Result<UserScene, WriteError> {
         tolerance: Some(ToleranceChoice::Full(ToleranceTable {
             metric: Some(MetricKey(metric)),
             limit: Positive(tolerance),
-            against: None,
-            except: None,
+            ..ToleranceTable::default()
         })),
         models: models(r, kind),
         study: StudyTable {
@@ -172,13 +171,7 @@ pub fn scene(number: usize) -> Result<UserScene, WriteError> {
 fn models(r: &mut Random, kind: Kind) -> Vec<ModelTable> {
     let stiffness = match r.one(&[true, false]) {
         true => StiffnessTable::Iso6336(IsoTable::default()),
-        false => StiffnessTable::Compliance(ComplianceTable {
-            tooth: None,
-            foundation: FoundationWord::default(),
-            root_length: None,
-            hertz: HertzWord::default(),
-            reference_load_n: None,
-        }),
+        false => StiffnessTable::Compliance(ComplianceTable::default()),
     };
     let contact = |ratio| ContactTable {
         damping: match kind.is_loaded() {
@@ -213,9 +206,7 @@ fn models(r: &mut Random, kind: Kind) -> Vec<ModelTable> {
         },
         ModelTable {
             model: "elastic".into(),
-            parameters: (parameters.into_iter().chain(damped))
-                .map(|(key, x)| (key, ParameterValue::Number(x)))
-                .collect(),
+            parameters: parameters.into_iter().chain(damped).collect(),
             contact: elastic.into(),
             integrators: modal.then(|| vec![IntegratorTable::from(&TRIGONOMETRIC.at_step(1e-6))]),
             ..ModelTable::default()

@@ -72,7 +72,7 @@ fn tables(p: &Parameters, path: Option<f64>, duration: f64) -> SceneTable {
             metric: Some(MetricKey(p.metric)),
             limit: Positive(p.tolerance),
             against: Some("model".into()),
-            except: None,
+            ..ToleranceTable::default()
         })),
         gears: [0, 1].map(|i| (NAMES[i], gear(p, i))).into_iter().collect(),
         meshes: vec![MeshTable {
@@ -174,17 +174,11 @@ fn elements<'k>(
     modal_ratio: Option<f64>,
 ) -> OrderedTable<ParameterValue> {
     let numbers = ELEMENTS.into_iter().chain(more);
-    let all = numbers
-        .map(|(key, x)| (key.to_owned(), ParameterValue::Number(x)))
-        .chain(modal_ratio.map(|_| {
-            let (key, word) = SPIN;
-            (key.to_owned(), ParameterValue::Text(word.to_owned()))
-        }))
-        .chain(
-            (modal_ratio.filter(|ratio| *ratio > 0.0))
-                .map(|ratio| ("damping_ratio".to_owned(), ParameterValue::Number(ratio))),
-        );
-    OrderedTable(all.collect())
+    let numbers = numbers.map(|(key, x)| (key, ParameterValue::from(x)));
+    let word = modal_ratio.map(|_| (SPIN.0, SPIN.1.into()));
+    let ratio = modal_ratio.filter(|ratio| *ratio > 0.0);
+    let ratio = ratio.map(|ratio| ("damping_ratio", ratio.into()));
+    numbers.chain(word).chain(ratio).collect()
 }
 
 fn models(p: &Parameters) -> Vec<ModelTable> {
@@ -228,9 +222,7 @@ fn models(p: &Parameters) -> Vec<ModelTable> {
                 stiffness_n_per_m2: Positive(CONTACT_PER_WIDTH),
                 of: Default::default(),
             })),
-            parameters: (teeth.into_iter())
-                .map(|(key, x)| (key, ParameterValue::Number(short(x))))
-                .collect(),
+            parameters: teeth.map(|(key, x)| (key, short(x))).into_iter().collect(),
             ..ModelTable::default()
         },
         ModelTable {
