@@ -54,7 +54,7 @@ fn beyond_the_mesh(choices: &[ValidatedChoice]) -> Vec<Markup> {
     let (given, mesh) = (errors(|s| s.given_error), errors(|s| s.mesh_error));
     if let (Some(given_off), Some(mesh_off)) = (median(&given), median(&mesh)) {
         sentences.push(html! {
-            "Held against the refined model, mesh and contact of the scenes themselves are " (given_off)
+            "Compared with the refined model, mesh and contact of the scenes themselves are " (given_off)
             " off in the median with as many modes, and keep the tolerance in " (kept(&given)) " of " (given.len())
             "; their meshes with its contact are " (mesh_off) " off and keep it in " (kept(&mesh)) " of " (mesh.len()) "."
         });
