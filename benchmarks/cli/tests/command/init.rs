@@ -30,7 +30,11 @@ fn scenes_to_start_from_run_in_every_command() {
     folder.says("choose pair.toml --tolerance 0.2 --metric impulse");
     folder.says("stiffness pair.toml --positions 4");
     folder.says("sweep pair.toml --models rigid --points 2 --cycles 1 --positions 4");
-    folder.says("penalty pair.toml --model elastic --points 2 --positions 2");
+    // Its elastic gears touch on half-spaces, which have no penalty.
+    folder.refuses(
+        "penalty pair.toml --model elastic --points 2 --positions 2",
+        &["the contact of `elastic` has no penalty", "flank points"],
+    );
     folder.says("reduce pair.toml --modes 4 --gear pinion");
     folder.says("init spur_impact --out own.toml");
     folder.says("identify own.toml --model rigid");
