@@ -10,13 +10,14 @@ use super::reading::Place;
 use super::reading::keys::keys;
 use super::reading::values::{Degrees, NotNegative};
 use gearbench_models::geometry::{Deviations, FlankDeviations, GivenDeviations};
+use gearbench_reference::hash::spread;
 
 keys! {
     /// Deviations of single teeth.
     struct DeviationTable {
         /// tolerance class of ISO 1328-1 to draw from, 1 to 11; combined with `seed` alone
         class: Option<u32>,
-        /// a whole number, default 0; the same seed gives the same gear
+        /// a whole number, default 0; seed and name of a gear give the same teeth again, other gears have others
         seed: Option<u32>,
         /// run-out F_r in metres, twice the eccentricity, default 0
         runout_m: Option<NotNegative>,
@@ -41,6 +42,7 @@ keys! {
 
 /// Deviations of the teeth of a gear.
 pub(super) fn deviations(
+    name: &str,
     keys: Option<&DeviationTable>,
     at: &Place<'_>,
 ) -> Result<Deviations, SceneError> {
@@ -62,7 +64,7 @@ pub(super) fn deviations(
             ),
             None => Ok(Deviations::Class {
                 class,
-                seed: u64::from(seed.unwrap_or(0)),
+                seed: seed_of(name, seed.unwrap_or(0)),
             }),
         },
         (None, Some(_)) => at.key("seed").refuse(
@@ -79,11 +81,32 @@ pub(super) fn deviations(
     }
 }
 
+/// Seed of the random numbers of a gear: gears of one scene with one seed differ, as gears of a batch do.
+fn seed_of(name: &str, seed: u32) -> u64 {
+    let bytes = name.bytes().map(u64::from);
+    bytes.fold(spread(u64::from(seed)), |hash, byte| spread(hash ^ byte))
+}
+
 fn flank(keys: &FlankTable) -> FlankDeviations {
     let list = |values: &Option<Vec<f64>>| values.clone().unwrap_or_default();
     FlankDeviations {
         cumulative_pitch: list(&keys.cumulative_pitch_m),
         profile_slope: list(&keys.profile_slope_m),
         profile_form: list(&keys.profile_form_m),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::seed_of;
+    use std::collections::BTreeSet;
+
+    #[test]
+    fn gears_with_one_seed_are_drawn_apart() {
+        let names = ["sun", "p1", "p2", "p3", "ring"];
+        let all = names.map(|name| (0..200).map(move |seed| seed_of(name, seed)));
+        let all: BTreeSet<u64> = all.into_iter().flatten().collect();
+        assert_eq!(all.len(), 5 * 200);
+        assert_eq!(seed_of("p1", 7), seed_of("p1", 7));
     }
 }

@@ -282,7 +282,7 @@ pub(super) fn gear(
     };
     let body = match &keys {
         ToothedTable::Gear(keys) => {
-            let deviations = deviations(keys.deviations.as_deref(), &at.key("deviations"))?;
+            let deviations = deviations(name, keys.deviations.as_deref(), &at.key("deviations"))?;
             Gear::new(keys.params(deviations, measured.sides)).map(Body::Gear)
         }
         ToothedTable::Rack(keys) => Rack::new(keys.params()).map(Body::Rack),
