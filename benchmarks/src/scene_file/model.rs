@@ -140,23 +140,21 @@ impl From<&ModelSpec> for GearModelTable {
 impl ModelTable {
     /// Returns the table of models of gears, given with the names of the gears, and contacts of meshes.
     pub fn of(label: &str, names: &[&str], modelling: &Modelling) -> Self {
-        let first = &modelling.gears[0];
-        let others = names
-            .iter()
-            .zip(&modelling.gears)
-            .filter(|(_, m)| *m != first);
+        let first = modelling.gears.first();
+        let others = names.iter().zip(&modelling.gears);
+        let others = others.filter(|(_, m)| Some(*m) != first);
         let others = others.map(|(name, m)| ((*name).to_owned(), GearModelEntry::Own(m.into())));
-        let mut contacts: Vec<ContactTable> = modelling.contacts.iter().map(Into::into).collect();
+        let GearModelTable { model, parameters } = first.map(Into::into).unwrap_or_default();
+        let contacts: Vec<ContactTable> = modelling.contacts.iter().map(Into::into).collect();
         let alike = contacts.windows(2).all(|w| w[0] == w[1]);
-        let GearModelTable { model, parameters } = first.into();
         ModelTable {
             label: Some(ModelLabel(label.to_owned())),
             model,
             parameters,
             gears: OrderedTable(others.collect()),
-            contact: match alike {
-                true => OneOrMany::One(contacts.swap_remove(0)),
-                false => OneOrMany::Many(contacts),
+            contact: match contacts.first() {
+                Some(one) if alike => OneOrMany::One(one.clone()),
+                _ => OneOrMany::Many(contacts),
             },
             ..ModelTable::default()
         }

@@ -107,6 +107,7 @@ const LONG: &[(&str, &[&str])] = &[
             "scan pair.toml --vary meshes.1.backlash_m=normal(80e-6,5e-6) --samples 200",
             "scan pair.toml --vary models.*.contact.friction.mu=0.02,0.05,0.1 --outputs efficiency,peak_force_n",
             "scan pair.toml --vary gears.pinion.deviations.class=6,8 --vary gears.pinion.deviations.seed=seeds(200)",
+            "scan pair.toml --vary gears.*.deviations.class=6,8 --vary gears.*.deviations.seed=seeds(200)",
             "scan pair.toml --vary meshes.1.backlash_m=normal(80e-6,5e-6) --samples 10000 --shard 1/50 --out shards/1",
             "scan pair.toml --vary meshes.1.backlash_m=normal(80e-6,5e-6) --samples 10000 --shard 2/50 --out shards/2",
             "merge shards/* --out merged",
