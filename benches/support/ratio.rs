@@ -7,7 +7,6 @@
 
 use criterion::measurement::{Measurement, ValueFormatter};
 use criterion::{Criterion, SamplingMode, Throughput};
-use gearbench::experiment::machine;
 use serde_json::{Value, json};
 use std::time::{Duration, Instant};
 
@@ -128,9 +127,8 @@ fn keep(name: &str, ratio: f64) {
     let bench = stem.rsplit_once('-').map_or(&*stem, |(name, _)| name);
     // Three digits are more than a ratio repeats to.
     all[bench]["ratios"][name] = json!((1e3 * ratio).round() / 1e3);
-    all[bench]["command"] = json!(format!("cargo bench --bench {bench} -- --ratios FILE"));
-    all[bench]["commit"] = json!(machine::commit_of_checkout());
-    all[bench]["machine"] = json!(machine::machine());
+    let command = format!("cargo bench --bench {bench} -- --ratios FILE");
+    super::scenes::sign(&mut all[bench], &command);
     std::fs::write(&file, format!("{all:#}\n")).unwrap_or_else(|e| panic!("{file}: {e}"));
 }
 

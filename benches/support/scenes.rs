@@ -75,9 +75,14 @@ pub fn store(command: &str, mut figures: serde_json::Value) {
     let Some(file) = after("--store") else {
         return;
     };
+    sign(&mut figures, command);
+    std::fs::write(&file, format!("{figures:#}\n")).unwrap_or_else(|e| panic!("{file}: {e}"));
+}
+
+/// Adds the command, machine, commit and date to figures.
+pub fn sign(figures: &mut serde_json::Value, command: &str) {
     figures["command"] = json!(command);
     figures["machine"] = json!(machine::machine());
     figures["date"] = json!(machine::now());
     figures["commit"] = json!(machine::commit_of_checkout());
-    std::fs::write(&file, format!("{figures:#}\n")).unwrap_or_else(|e| panic!("{file}: {e}"));
 }

@@ -217,7 +217,7 @@ const COLUMNS: [(&str, &str); 48] = [
     ("contact_torque_GEAR_n", "contact force on a rack along its motion"),
     ("bearing_GEAR_x_n", "force of the bearing on the gear along x"),
     ("bearing_GEAR_y_n", "force of the bearing on the gear along y"),
-    ("bearing_GEAR_z_n", "force of the bearing on the gear along z; a gear whose hub moves in the transverse plane alone has no such column"),
+    ("bearing_GEAR_z_n", "force of the bearing on the gear along z; the column exists where the hub also moves out of the transverse plane"),
     ("hub_GEAR_x_m", "displacement of the hub from its assembled position along its first axis"),
     ("hub_GEAR_y_m", "displacement of the hub along its second axis"),
     ("hub_GEAR_z_m", "displacement of the hub along the axis of the gear"),

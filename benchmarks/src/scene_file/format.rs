@@ -82,8 +82,16 @@ impl SceneTable {
     /// # Errors
     /// [`SceneError`] with line and help.
     pub fn parse(context: &Context, name: &str, text: &str) -> Result<Self, SceneError> {
-        let read = Document::read(name, text, |scene| known_words(scene, &context.models));
-        read.map(|(_, tables)| tables)
+        Self::read(context, name, text).map(|(_, tables)| tables)
+    }
+
+    /// Reads the tables of a scene file with the places of all values.
+    pub(super) fn read(
+        context: &Context,
+        name: &str,
+        text: &str,
+    ) -> Result<(Document, Self), SceneError> {
+        Document::read(name, text, |scene| known_words(scene, &context.models))
     }
 
     /// Writes the scene file: one table under a header for each gear, mesh, shaft, reference and model.

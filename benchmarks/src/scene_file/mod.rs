@@ -249,8 +249,7 @@ impl SceneFile {
         origin: Origin,
         calibrated: bool,
     ) -> Result<Self, SceneError> {
-        let (document, keys): (_, SceneTable) =
-            Document::read(name, text, |scene| known_words(scene, &context.models))?;
+        let (document, keys) = SceneTable::read(context, name, text)?;
         let odd = typical_ranges::lengths(&document);
         let file = Self::from_keys(context, document, keys, origin, calibrated);
         let mut file = file.map_err(|e| e.with_remarks(&odd))?;

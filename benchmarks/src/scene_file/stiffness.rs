@@ -99,10 +99,10 @@ keys! {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum FoundationWord {
-    /// A ring on a fixed bore.
+    /// The foundation is an elastic ring whose bore is held.
     #[default]
     Ring,
-    /// The formula of Sainsot and Velex.
+    /// The foundation follows the formula of Sainsot and Velex.
     SainsotVelex,
     /// The formula of Weber and Banaschek.
     WeberBanaschek,

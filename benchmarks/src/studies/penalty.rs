@@ -15,7 +15,7 @@ use crate::experiment::run::{Job, run};
 use crate::scene_file::{ModelChoice, SceneError, SceneFile, Selection};
 use clap::Args;
 use gearbench_integrators::table::VELOCITY_VERLET;
-use gearbench_models::spec::{ContactSpec, PointLaw, mesh_layout};
+use gearbench_models::spec::{ContactSpec, mesh_layout};
 use gearbench_reference::statics::{Load, LoadedPair, MeshCycle};
 use gearbench_reports::columns::Columns;
 use gearbench_reports::metrics::compare as measure;
@@ -385,9 +385,7 @@ fn with_penalty(configuration: &Configuration, penalty: f64) -> Result<Configura
     let mut configuration = configuration.clone();
     let mut any = false;
     for contact in &mut configuration.modelling.contacts {
-        if let Some(PointLaw::Penalty { stiffness, .. }) =
-            contact.flanks.points_mut().map(|p| &mut p.law)
-        {
+        if let Some(stiffness) = contact.flanks.penalty_mut() {
             *stiffness = penalty;
             any = true;
         }

@@ -1,8 +1,8 @@
 //! Gears for tests of studies: a coarse pair, which reduces in a fraction of a second, and one whose stiffness is a wave.
 
 use crate::context::Context;
-use crate::scene_file::SceneFile;
 use crate::scene_file::format::*;
+use crate::scene_file::{Origin, SceneFile};
 use gearbench_models::geometry::Side;
 use gearbench_models::spec::mesh_layout;
 use gearbench_models::stiffness::{Ends, PairOrMesh};
@@ -19,8 +19,7 @@ const MESH: [(&str, f64); 5] = [
 fn read(scene: &SceneTable) -> SceneFile {
     let text = scene.to_toml().expect("a text");
     let name = format!("{}.toml", scene.name.0);
-    let origin = crate::scene_file::Origin::Shipped;
-    SceneFile::unbuilt(&Context::default(), &name, &text, origin, false).expect("a scene")
+    SceneFile::unbuilt(&Context::default(), &name, &text, Origin::Shipped, false).expect("a scene")
 }
 
 /// Returns a coarse pair with a model, the coarse mesh and further parameters.

@@ -118,6 +118,14 @@ impl FlankContact {
         }
     }
 
+    /// Returns the penalty of contact at points, to change it; `None` for any other contact.
+    pub fn penalty_mut(&mut self) -> Option<&mut f64> {
+        match &mut self.points_mut()?.law {
+            PointLaw::Penalty { stiffness, .. } => Some(stiffness),
+            PointLaw::Hard => None,
+        }
+    }
+
     /// Returns true if contact at points is hard.
     pub fn is_hard(&self) -> bool {
         self.points().is_some_and(|p| p.law == PointLaw::Hard)

@@ -8,7 +8,6 @@ use super::distributions::{Kind, Load, Parameters, Second};
 use super::random::short;
 use super::toothing::DENSITY;
 use gearbench::scene_file::format::*;
-use gearbench_integrators::Scheme;
 use gearbench_integrators::table::{DOPRI5, NEWMARK, TRIGONOMETRIC};
 use gearbench_models::geometry::Side;
 
@@ -90,16 +89,12 @@ fn tables(p: &Parameters, path: Option<f64>, duration: f64) -> SceneTable {
         study: StudyTable {
             models: Some(Distinct(labels.map(Label::from).to_vec())),
             reference_model: Some("densest".into()),
-            integrators: Some(vec![integrator(DOPRI5.at_tolerance(1e-7))]),
+            integrators: Some(vec![IntegratorTable::from(&DOPRI5.at_tolerance(1e-7))]),
             quantities: Some(Distinct(vec![MetricKey(p.metric)])),
             ..StudyTable::default()
         },
         ..SceneTable::default()
     }
-}
-
-fn integrator(scheme: Scheme) -> IntegratorTable {
-    IntegratorTable::from(&scheme)
 }
 
 /// A speed that is not zero.
@@ -229,7 +224,7 @@ fn models(p: &Parameters) -> Vec<ModelTable> {
             model: "elastic".into(),
             parameters: elements([("modes", 100.0)], Some(p.modal_ratio)),
             contact: points.clone(),
-            integrators: Some(vec![integrator(TRIGONOMETRIC.at_step(STEP))]),
+            integrators: Some(vec![IntegratorTable::from(&TRIGONOMETRIC.at_step(STEP))]),
             ..ModelTable::default()
         },
         ModelTable {
@@ -240,7 +235,7 @@ fn models(p: &Parameters) -> Vec<ModelTable> {
                 Some(p.modal_ratio),
             ),
             contact: points.clone(),
-            integrators: Some(vec![integrator(TRIGONOMETRIC.at_step(step))]),
+            integrators: Some(vec![IntegratorTable::from(&TRIGONOMETRIC.at_step(step))]),
             ..ModelTable::default()
         },
     ];
@@ -250,8 +245,8 @@ fn models(p: &Parameters) -> Vec<ModelTable> {
             model: "fe".into(),
             parameters: elements([], None),
             contact: points,
-            integrators: Some(vec![integrator(
-                NEWMARK.at_step(short(p.contact_time / FULL_STEPS)),
+            integrators: Some(vec![IntegratorTable::from(
+                &NEWMARK.at_step(short(p.contact_time / FULL_STEPS)),
             )]),
             ..ModelTable::default()
         });

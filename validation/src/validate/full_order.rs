@@ -10,7 +10,6 @@ use gearbench::studies::choose::problem::Problem;
 use gearbench::studies::choose::trial::{Outcome, WindowModel};
 use gearbench_integrators::MethodSpec;
 use gearbench_integrators::table::{HHT_ALPHA, NEWMARK};
-use gearbench_models::spec::PointLaw;
 use serde::{Deserialize, Serialize};
 
 /// Methods of full finite elements and numbers of steps per contact time, in the order of the trials.
@@ -65,9 +64,7 @@ fn finite_elements(
         gear.mesh.flank_elements = Some(along * flank);
     }
     for contact in &mut fine.contacts {
-        if let Some(PointLaw::Penalty { stiffness, .. }) =
-            contact.flanks.points_mut().map(|p| &mut p.law)
-        {
+        if let Some(stiffness) = contact.flanks.penalty_mut() {
             *stiffness *= penalty;
         }
     }

@@ -85,6 +85,14 @@ fn variant_of(name: &'static str, variant: &'static str, content: Value) -> Writ
     Ok(Some(table_of(head.into_iter().chain(rest))))
 }
 
+macro_rules! as_i64 {
+    ($($name:ident: $of:ty,)*) => { $(
+        fn $name(self, x: $of) -> Written {
+            self.serialize_i64(x.into())
+        }
+    )* };
+}
+
 impl Serializer for Writer {
     type Ok = Option<Value>;
     type Error = WriteError;
@@ -100,32 +108,13 @@ impl Serializer for Writer {
         Ok(Some(x.into()))
     }
 
-    fn serialize_i8(self, x: i8) -> Written {
-        self.serialize_i64(x.into())
-    }
-
-    fn serialize_i16(self, x: i16) -> Written {
-        self.serialize_i64(x.into())
-    }
-
-    fn serialize_i32(self, x: i32) -> Written {
-        self.serialize_i64(x.into())
+    as_i64! {
+        serialize_i8: i8, serialize_i16: i16, serialize_i32: i32,
+        serialize_u8: u8, serialize_u16: u16, serialize_u32: u32,
     }
 
     fn serialize_i64(self, x: i64) -> Written {
         Ok(Some(x.into()))
-    }
-
-    fn serialize_u8(self, x: u8) -> Written {
-        self.serialize_i64(x.into())
-    }
-
-    fn serialize_u16(self, x: u16) -> Written {
-        self.serialize_i64(x.into())
-    }
-
-    fn serialize_u32(self, x: u32) -> Written {
-        self.serialize_i64(x.into())
     }
 
     fn serialize_u64(self, x: u64) -> Written {

@@ -7,8 +7,7 @@ use gearbench_models::gear::movable_teeth::{MovableTeethParameters, PerTooth};
 use gearbench_models::gear::parameters::ModelParameters;
 use gearbench_models::law::Damping;
 use gearbench_models::spec::{
-    ContactSpec, FlankContact, GearSpec, Modelling, Mount, PointLaw, SceneSpec, mesh_layout,
-    stiffness_curve,
+    ContactSpec, FlankContact, GearSpec, Modelling, Mount, SceneSpec, mesh_layout, stiffness_curve,
 };
 use gearbench_models::stiffness::{Ends, Interpolation, PairStiffness};
 use gearbench_reference::full_order::FullOrderParameters;
@@ -163,9 +162,7 @@ impl Axis {
 /// Multiplies all contact stiffnesses and penalties.
 fn stiffen(factor: f64, scene: &SceneSpec, modelling: &mut Modelling) -> Result<(), AxisError> {
     for (contact, mesh) in modelling.contacts.iter_mut().zip(&scene.meshes) {
-        if let Some(PointLaw::Penalty { stiffness, .. }) =
-            contact.flanks.points_mut().map(|p| &mut p.law)
-        {
+        if let Some(stiffness) = contact.flanks.penalty_mut() {
             *stiffness *= factor;
         }
         match &mut contact.stiffness {
