@@ -95,7 +95,7 @@ impl FlightPath {
     }
 
     /// Adds an oscillator `x'' + 2 zeta omega x' + omega^2 x = load` with the initial values `start = [x, x']`; `zeta`
-    /// lies in [0, 1). [`Self::moves`] sets the coordinates that it contributes to.
+    /// is not negative. [`Self::moves`] sets the coordinates that it contributes to.
     pub fn oscillator(&mut self, omega: f64, zeta: f64, start: [f64; 2], load: f64) {
         self.oscillators.push(Oscillator {
             omega,

@@ -7,7 +7,9 @@
 //! v(h) = -omega^2 e s q0 + e (c - delta s) v0 + e s g,                      c = cos(w h), s = sin(w h) / w
 //! ```
 //!
-//! and `q0 + h v0 + h^2 g / 2` for `omega = 0`.
+//! and `q0 + h v0 + h^2 g / 2` for `omega = 0`. From critical damping on, `w = omega sqrt(zeta^2 - 1)` and hyperbolic
+//! functions take the place of the circular ones; `e c` and `e s` are then computed from `exp(-(delta - w) h)`, the
+//! slower of the two decays, which neither overflows nor cancels.
 
 /// Coefficients of the motion of an oscillator over a time: `q = qq q0 + qv v0 + qg g`, `v = vq q0 + vv v0 + qv g`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,7 +30,7 @@ pub struct Coefficients {
 /// cancellation there.
 const SERIES: f64 = 0.5;
 
-/// Computes the coefficients over a time `h` [s]; `zeta` lies in [0, 1).
+/// Computes the coefficients over a time `h` [s]; `zeta` is not negative.
 #[inline]
 pub fn coefficients(omega: f64, zeta: f64, h: f64) -> Coefficients {
     if omega == 0.0 {
@@ -59,12 +61,10 @@ pub fn coefficients(omega: f64, zeta: f64, h: f64) -> Coefficients {
         };
     }
     let delta = zeta * omega;
-    let w = omega * ((1.0 - zeta) * (1.0 + zeta)).sqrt();
-    let e = (-delta * h).exp();
-    let (sin, cos) = (w * h).sin_cos();
-    let qv = e * sin / w;
-    let qq = e * cos + delta * qv;
-    let qg = if omega * h.abs() < SERIES {
+    // e c and e s of the equations above.
+    let (ec, qv) = decay(omega, zeta, h);
+    let qq = ec + delta * qv;
+    let qg = if omega.max(delta) * h.abs() < SERIES {
         load_series(square, delta, h)
     } else {
         (1.0 - qq) / square
@@ -73,9 +73,31 @@ pub fn coefficients(omega: f64, zeta: f64, h: f64) -> Coefficients {
         qq,
         qv,
         vq: -square * qv,
-        vv: e * cos - delta * qv,
+        vv: ec - delta * qv,
         qg,
     }
+}
+
+/// Computes `exp(-delta h) cos(w h)` and `exp(-delta h) sin(w h) / w` of a damped oscillator, with hyperbolic functions
+/// beyond critical damping.
+fn decay(omega: f64, zeta: f64, h: f64) -> (f64, f64) {
+    let delta = zeta * omega;
+    let squared = (1.0 - zeta) * (1.0 + zeta);
+    if squared > 0.0 {
+        let w = omega * squared.sqrt();
+        let e = (-delta * h).exp();
+        let (sin, cos) = (w * h).sin_cos();
+        return (e * cos, e * sin / w);
+    }
+    let w = omega * (-squared).sqrt();
+    // (delta - w) (delta + w) = omega^2: the slower decay without cancellation.
+    let slow = (-(omega * omega / (delta + w)) * h).exp();
+    let x = -2.0 * w * h;
+    let over_w = match w {
+        0.0 => 2.0 * h,
+        w => -x.exp_m1() / w,
+    };
+    (0.5 * slow * (1.0 + x.exp()), 0.5 * slow * over_w)
 }
 
 /// Returns the compliance per unit mass [s^2] by which the response of an oscillator to impulses of a constant
@@ -295,11 +317,22 @@ mod tests {
         assert!((a - b).abs() <= 4e-15 * scale, "{what}: {a:e} {b:e}");
     }
 
-    /// Two half steps equal one step, from zero to many periods and up to almost critical damping.
+    /// Two parts of a step equal the whole, from zero to many periods, below, at and beyond critical damping.
     #[test]
     fn times_add_up() {
         for omega in [0.0, 1e-9, 1e-3, 0.3, 1.0, 7.0, 400.0] {
-            for zeta in [0.0, 1e-8, 0.02, 0.5, 0.999, 1.0 - 1e-12] {
+            for zeta in [
+                0.0,
+                1e-8,
+                0.02,
+                0.5,
+                0.999,
+                1.0 - 1e-12,
+                1.0,
+                1.0 + 1e-12,
+                1.5,
+                40.0,
+            ] {
                 let (a, b) = (
                     coefficients(omega, zeta, 0.3),
                     coefficients(omega, zeta, 0.45),

@@ -225,11 +225,11 @@ impl OneStep for Trigonometric {
             end.a.resize(n, 0.0);
         }
         split.oscillators(&mut self.omega, &mut self.zeta);
-        let good = |(w, z): (&f64, &f64)| *w >= 0.0 && w.is_finite() && (0.0..1.0).contains(z);
+        let good = |(w, z): (&f64, &f64)| *w >= 0.0 && w.is_finite() && *z >= 0.0 && z.is_finite();
         if !self.omega.iter().zip(&self.zeta).all(good) {
             return Err(StepError::Unsupported {
                 method: INFO.id,
-                what: "an oscillator whose damping ratio lies outside [0, 1) or whose frequency is no number",
+                what: "an oscillator whose damping ratio is negative, or whose frequency or damping ratio is no number",
             });
         }
         // Of changing steps the shortest matter, at the edges of contact: they lag behind by nothing.

@@ -51,6 +51,9 @@ pub struct HubBody {
     pub vibration_cut_off: f64,
     /// True if no power is lost or supplied in the own coordinates, except by a driven hub.
     pub conservative: bool,
+    /// Retardation time of the body [s]: the factor of its stiffness in damping proportional to it. Flanks in contact have
+    /// it as well.
+    pub retardation: f64,
 }
 
 impl HubBody {
@@ -91,6 +94,7 @@ impl HubBody {
             hub_shapes: Vec::new(),
             vibration_cut_off: 0.0,
             conservative: false,
+            retardation: 0.0,
         }
     }
 

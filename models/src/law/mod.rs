@@ -55,6 +55,7 @@ mod error;
 mod friction;
 mod half_space;
 mod normal;
+mod retardation;
 #[cfg(test)]
 mod tests;
 
@@ -65,3 +66,4 @@ pub use error::LawError;
 pub use friction::{Film, Friction, FrictionForce, FrictionForm, MeshFilm};
 pub use half_space::HalfSpace;
 pub use normal::{Law, LawForce, MeshLoad};
+pub use retardation::{SeenBy, retarded};

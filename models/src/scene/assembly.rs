@@ -215,6 +215,7 @@ impl Scene {
                 (Search::Pairs(Box::new(search)), law, on_lines)
             };
             let has_field = |i: &usize| gears[*i].model.displacement().is_some();
+            let hard = contact.flanks.is_hard() && mesh.gears.iter().any(has_field);
             let nodal = mesh.gears.iter().any(has_field) || search.lines().is_some();
             let towards = mesh.gears.map(|i| {
                 let sign = signed_effective_radius(&spec.gears[i].body).signum();
@@ -227,8 +228,13 @@ impl Scene {
                 axis: geometry.axes[2],
                 search,
                 law,
+                retardation: if hard {
+                    0.0
+                } else {
+                    retardation_of(mesh.gears.map(|g| &gears[g]))
+                },
                 friction: friction_of(spec, mesh, l, contact),
-                hard: contact.flanks.is_hard() && mesh.gears.iter().any(has_field),
+                hard,
                 nodal,
                 arms: None,
                 bodies: false,
@@ -414,4 +420,12 @@ impl Scene {
         scene.oscillators &= !scene.rigid_shafts_swing();
         scene
     }
+}
+
+/// Returns the retardation time of the flanks of a mesh [s]: the mean of those of its gears that are elastic bodies.
+fn retardation_of(gears: [&SceneGear; 2]) -> f64 {
+    let elastic = |g: &&SceneGear| g.model.flanks().is_some();
+    let of = |g: &SceneGear| g.model.hub().retardation;
+    let own: Vec<f64> = (gears.into_iter().filter(elastic)).map(of).collect();
+    own.iter().sum::<f64>() / own.len().max(1) as f64
 }

@@ -9,7 +9,7 @@ use crate::contact::nodal::NodalPoint;
 use crate::contact::pairs::{LinePressure, LinesOfAction, all_open};
 use crate::geometry::Side;
 use crate::kinematics::Tooth;
-use crate::law::FrictionForce;
+use crate::law::{FrictionForce, LawForce, retarded};
 use gearbench_integrators::system::{MemberContact, SprungMember, StateView};
 use std::collections::BTreeMap;
 
@@ -121,7 +121,13 @@ impl Scene {
             let impact_speed = mesh.impact_speed(at.discrete, c.slot, rate);
             let law = mesh.law.shared(c.share);
             let force = if mesh.search.points().is_some() {
-                law.at_point(c.gap, rate, c.stiffness)
+                let (seen, by) = retarded(c.gap, [c.gap, rate], mesh.retardation);
+                let force = law.at_point(seen, rate, c.stiffness);
+                LawForce {
+                    dn_dg: force.dn_dg * by.gap,
+                    dn_dgdot: force.dn_dgdot + force.dn_dg * by.rate,
+                    ..force
+                }
             } else if located {
                 law.branch(mesh.mode(at.discrete, c.slot)).smooth(
                     c.gap,

@@ -178,6 +178,9 @@ pub struct SceneMesh {
     pub search: Search,
     /// Normal contact law.
     pub law: Law,
+    /// Retardation time of its flanks [s], the mean of those of its elastic gears: see
+    /// [`DissipativeSolve`](crate::contact::nodal::DissipativeSolve).
+    pub(super) retardation: f64,
     /// Friction of the mesh.
     pub friction: Option<MeshFriction>,
     /// True if the contact has no penalty.
@@ -202,10 +205,16 @@ pub struct SceneMesh {
 }
 
 impl SceneMesh {
+    /// Returns true if its flanks have dampers.
+    #[inline]
+    pub(super) fn is_damped(&self) -> bool {
+        self.law.is_dissipative() || self.retardation > 0.0
+    }
+
     /// Returns true if its contacts dissipate energy, by dampers or by friction.
     #[inline]
     pub(super) fn dissipates(&self) -> bool {
-        self.law.is_dissipative() || self.friction.is_some()
+        self.is_damped() || self.friction.is_some()
     }
 
     /// Returns the range of the search in the discrete state.

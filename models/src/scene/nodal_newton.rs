@@ -188,6 +188,7 @@ impl Scene {
         let mut rates: Vec<f64> = (0..nodal.active.len())
             .map(|i| dot(normal.row(i), &rate))
             .collect();
+        let before = rates.clone();
         let mut failed = nodal.failed;
         let solved = nodal.solved.iter_mut().filter(|s| s.hard.is_none());
         for s in solved.filter(|s| s.springs.iter().any(|s| s.force.dn_dgdot != 0.0)) {
@@ -198,8 +199,9 @@ impl Scene {
         // Changes of the forces of all points, along the normal and of friction.
         let mut of_points: Vec<[f64; 2]> = (nodal.active.iter().zip(&rates).enumerate())
             .map(|(i, (a, by_rate))| {
+                let seen = a.seen_by.gap * dot(normal.row(i), &y) + a.seen_by.rate * before[i];
                 [
-                    a.force.dn_dg * dot(normal.row(i), &y) + a.force.dn_dgdot * by_rate,
+                    a.force.dn_dg * seen + a.force.dn_dgdot * by_rate,
                     a.sliding.force.df_dv * dot(sliding.row(i), &rate),
                 ]
             })

@@ -270,15 +270,16 @@ impl Report for Scene {
     fn has_powers(&self) -> bool {
         let gear = |g: &SceneGear| g.model.hub().has_powers() || !g.loads.is_empty();
         // Elastic contact has a potential.
-        let loses = |m: &SceneMesh| m.law.is_dissipative() || m.friction.is_some();
-        self.gears.iter().any(gear) || self.meshes.iter().any(loses) || self.shafts.damped
+        self.gears.iter().any(gear)
+            || self.meshes.iter().any(SceneMesh::dissipates)
+            || self.shafts.damped
     }
 
     fn has_jumps(&self) -> bool {
         // Dampers of modes and loads on hubs let no contact force jump.
         self.meshes
             .iter()
-            .any(|m| m.search.pairs().is_some() || m.law.is_dissipative() || m.friction.is_some())
+            .any(|m| m.search.pairs().is_some() || m.dissipates())
     }
 
     fn channels(&self) -> &[String] {

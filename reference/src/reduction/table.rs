@@ -44,7 +44,8 @@ pub(super) const PARAMETERS: [ParameterInfo; 22] = mesh_source::with_own(&[
     optional("damping_ratio", "damping ratio of all modes; default 0"),
     optional(
         "rayleigh",
-        "[alpha, beta] of the damping alpha M + beta K, in 1/s and s",
+        "[alpha, beta] of the damping alpha M + beta K, in 1/s and s; beta damps the static compliance of the other modes \
+         and the contact as well",
     ),
     optional(
         "step_s",
@@ -87,8 +88,18 @@ fn damping(reader: &Reader<'_>, given: &ElasticParameters) -> Result<ModalDampin
             "expected two numbers of 0 or more: [alpha, beta]",
         ));
     }
+    let ratio = reader.not_negative("damping_ratio", given.damping_ratio)?;
+    if ratio >= 1.0 {
+        return Err(reader.error(
+            "damping_ratio",
+            (
+                format!("is {ratio}: no mode would vibrate"),
+                "damp less: 0.02 are 2 % of critical",
+            ),
+        ));
+    }
     Ok(ModalDamping {
-        ratio: reader.not_negative("damping_ratio", given.damping_ratio)?,
+        ratio,
         alpha,
         beta,
     })
@@ -322,6 +333,7 @@ fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
             ..mesh
         }));
     }
+    let gear = gear.with_retardation(damping.beta);
     let gear = gear.with_spin_terms(given.spin_terms.unwrap_or_default());
     let mut gear = gear.map_err(|e| reader.error("spin_terms", e))?;
     gear.decide_spin_terms(context.speed);

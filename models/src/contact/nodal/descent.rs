@@ -14,7 +14,7 @@ pub(super) struct Descent {
     /// True if normal laws are piecewise linear.
     linear: bool,
     /// Slopes of the laws of the points at the start of the step.
-    pieces: Vec<(f64, f64)>,
+    pieces: Vec<[f64; 3]>,
     /// Largest norm of the residual, and its norm before the step.
     first: f64,
     before: f64,
@@ -22,8 +22,8 @@ pub(super) struct Descent {
     whole: bool,
 }
 
-fn slopes(s: &Spring) -> (f64, f64) {
-    (s.force.dn_dg, s.force.dn_dgdot)
+fn slopes(s: &Spring) -> [f64; 3] {
+    [s.force.dn_dg, s.force.dn_dgdot, s.seen_by.rate]
 }
 
 impl Descent {

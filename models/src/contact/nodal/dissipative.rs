@@ -242,9 +242,9 @@ impl DissipativeSolve {
         self.line.clear();
         self.line.extend(self.force.iter().map(|f| -f));
         for (s, p) in springs.iter_mut().zip(&self.points) {
-            s.gap = s.gap0 + p.normal.along(&self.gaps);
             let rate = s.rate + p.normal.along(&self.rates);
-            s.force = s.law.at_point(s.gap, rate, s.stiffness);
+            let before = s.rate_before + p.normal.along(&self.slips);
+            s.press(s.gap0 + p.normal.along(&self.gaps), rate, before);
             p.normal.add(s.force.n, &mut self.line);
             if let Some(friction) = &s.friction {
                 let slip = s.slip + p.sliding.along(&self.slips);
@@ -267,10 +267,11 @@ impl DissipativeSolve {
             let PortPoint { normal, sliding } = self.points[i];
             let slopes = [-s.force.dn_dg, -s.force.dn_dgdot];
             if slopes != [0.0; 2] {
+                let retarded = -s.by_seen()[1];
                 if slopes[1] == 0.0 || self.ports.answer.is_empty() {
-                    self.respond(&normal, slopes);
+                    self.respond(&normal, [slopes[0], slopes[1] + retarded]);
                 } else {
-                    self.respond(&normal, [slopes[0], 0.0]);
+                    self.respond(&normal, [slopes[0], retarded]);
                     self.follow(&normal, slopes[1]);
                 }
                 self.add_outer(&normal, 1.0);

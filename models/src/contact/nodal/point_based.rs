@@ -46,6 +46,8 @@ pub struct PointBasedSolve {
     compliance: Vec<f64>,
     /// Mobility `Y`, then `D Y`, row-major [m/s/N]; to be set before a solve with dashpots.
     pub mobility: Vec<f64>,
+    /// Mobility `Y` where `mobility` has become `D Y` and flanks have a retardation time; empty otherwise.
+    before: Vec<f64>,
     /// Gaps [m], later forces [N].
     gaps: Vec<f64>,
     residual: Vec<f64>,
@@ -213,7 +215,11 @@ impl PointBasedSolve {
     /// [`Singular`] where numbers are not finite or the iteration does not end.
     pub fn damp(&mut self, springs: &mut [Spring], follows: bool) -> Result<(), Singular> {
         let points = springs.len();
+        self.before.clear();
         if follows {
+            if springs.iter().any(|s| s.retardation > 0.0) {
+                self.before.extend_from_slice(&self.mobility);
+            }
             let deepest = deepest(springs);
             self.linearise(springs, |s| s.holding(deepest))?;
             self.step.clear();
@@ -247,10 +253,18 @@ impl PointBasedSolve {
             self.matrix.clear();
             let rows = self.compliance.chunks_exact(points);
             for (i, (c, y)) in rows.zip(self.mobility.chunks_exact(points)).enumerate() {
-                let slopes = &springs[i].force;
+                let (slopes, [_, retarded]) = (&springs[i].force, springs[i].by_seen());
+                let (damped, before) = match self.before.get(i * points..(i + 1) * points) {
+                    None => (slopes.dn_dgdot + retarded, None),
+                    Some(before) => (slopes.dn_dgdot, Some(before)),
+                };
                 let entries = c.iter().zip(y);
-                (self.matrix).extend(entries.map(|(c, y)| -slopes.dn_dg * c - slopes.dn_dgdot * y));
-                self.matrix[i * points + i] += 1.0;
+                (self.matrix).extend(entries.map(|(c, y)| -slopes.dn_dg * c - damped * y));
+                let row = &mut self.matrix[i * points..];
+                for (x, y) in row.iter_mut().zip(before.into_iter().flatten()) {
+                    *x -= retarded * y;
+                }
+                row[i] += 1.0;
             }
             self.factor.set(&mut self.matrix, points)?;
             self.step.clear();
@@ -276,8 +290,12 @@ impl PointBasedSolve {
         for (i, (c, y)) in rows.zip(self.mobility.chunks_exact(points)).enumerate() {
             let sum = |row: &[f64]| -> f64 { row.iter().zip(forces).map(|(a, f)| a * f).sum() };
             let s = &mut springs[i];
-            s.gap = s.gap0 + sum(c);
-            s.force = s.law.at_point(s.gap, s.rate + sum(y), s.stiffness);
+            let answer = sum(y);
+            let before = match self.before.get(i * points..(i + 1) * points) {
+                None => answer,
+                Some(row) => sum(row),
+            };
+            s.press(s.gap0 + sum(c), s.rate + answer, s.rate_before + before);
             self.residual.push(s.force.n - forces[i]);
         }
         norm_of(&self.residual)

@@ -1,6 +1,6 @@
 //! Points of a nodal solve, and their contributions to its equations.
 
-use crate::law::{Friction, FrictionForce, Law, LawForce};
+use crate::law::{Friction, FrictionForce, Law, LawForce, SeenBy, retarded};
 
 /// Index of missing nodes, for a gear without a field.
 pub const UNUSED: u32 = u32::MAX;
@@ -24,6 +24,9 @@ pub struct Spring {
     pub stiffness: f64,
     /// Contact law with the damper of the point.
     pub law: Law,
+    /// Retardation time of the flanks [s], and the rate of the gap before residual compliance without contact [m/s].
+    pub retardation: f64,
+    pub rate_before: f64,
     /// Result: gap with residual compliance [m].
     pub gap: f64,
     /// Result: normal force and derivatives; zero for an open point.
@@ -34,6 +37,8 @@ pub struct Spring {
     pub elastic: (f64, f64),
     /// Result: stiffness of the elastic law at that gap [N/m].
     pub elastic_stiffness: f64,
+    /// Result: derivatives of the gap that the law sees by the gap and by its rate, both before residual compliance.
+    pub seen_by: SeenBy,
 }
 
 impl Spring {
@@ -53,12 +58,35 @@ impl Spring {
             friction: None,
             stiffness,
             law,
+            retardation: 0.0,
+            rate_before: rate,
             gap: gap0,
             force: LawForce::default(),
             friction_force: FrictionForce::default(),
             elastic: (gap0, 0.0),
             elastic_stiffness: 0.0,
+            seen_by: SeenBy::default(),
         }
+    }
+
+    /// Sets gap and normal force at a gap with residual compliance, at the rate of the point and that before residual
+    /// compliance.
+    #[inline]
+    pub(super) fn press(&mut self, gap: f64, rate: f64, before: f64) {
+        self.gap = gap;
+        let (seen, by) = retarded(gap, [self.gap0, before], self.retardation);
+        self.seen_by = by;
+        self.force = self.law.at_point(seen, rate, self.stiffness);
+    }
+
+    /// Returns the derivatives of the normal force by the gap and by its rate before residual compliance, apart from
+    /// that of its own dashpot.
+    #[inline]
+    pub fn by_seen(&self) -> [f64; 2] {
+        [
+            self.force.dn_dg * self.seen_by.gap,
+            self.force.dn_dg * self.seen_by.rate,
+        ]
     }
 
     /// Returns the first and last node with a weight.

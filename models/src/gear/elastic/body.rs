@@ -206,6 +206,15 @@ impl Elastic {
         }
     }
 
+    /// Returns the gear whose flanks are damped in proportion to their stiffness, in what the modes leave out and in the
+    /// contact, with a retardation time [s].
+    #[must_use]
+    pub fn with_retardation(mut self, retardation: f64) -> Self {
+        self.hub.retardation = retardation;
+        self.hub.conservative &= retardation == 0.0;
+        self
+    }
+
     /// Returns true if the hub's own motion is free.
     #[inline]
     pub(super) fn turns(&self) -> bool {

@@ -285,9 +285,9 @@ impl Reduced {
         }
         let finite = |x: &[f64]| x.iter().all(|x| x.is_finite());
         if !(self.omega.iter().all(|w| w.is_finite() && *w > 0.0)
-            && self.damping.iter().all(|z| (0.0..1.0).contains(z)))
+            && self.damping.iter().all(|z| z.is_finite() && *z >= 0.0))
         {
-            return Some("frequencies must be positive and damping ratios in [0, 1)".into());
+            return Some("frequencies must be positive, and damping ratios 0 or more".into());
         }
         let residual =
             (self.residual.as_ref()).is_none_or(|r| finite(&r.hub) && r.hub_hub.is_finite());

@@ -7,7 +7,7 @@ use crate::contact::nodal::{
 };
 use crate::gear::HubBody;
 use crate::kinematics::{HubPose, Row};
-use crate::law::{FrictionForce, LawForce};
+use crate::law::{FrictionForce, LawForce, SeenBy};
 use crate::scene::members::{SceneGear, SceneMesh};
 use gearbench_integrators::system::{HalfStepImpulse, StateView};
 
@@ -30,6 +30,8 @@ pub(in crate::scene) struct NodalActive {
     /// Rate of the gap before residual compliance [m/s]; 0 where no damper needs it.
     pub rate: f64,
     pub force: LawForce,
+    /// Derivatives of the gap that the law sees.
+    pub seen_by: SeenBy,
     /// Gap [m] and force [N] of the elastic law alone.
     pub elastic: (f64, f64),
     pub sliding: Sliding,
@@ -61,6 +63,7 @@ impl NodalActive {
             gap: p.gap0,
             rate: 0.0,
             force: LawForce::default(),
+            seen_by: SeenBy::default(),
             elastic: (p.gap0, 0.0),
             sliding: Sliding::default(),
         }

@@ -194,6 +194,7 @@ impl Nodal {
             let of = (p.gap0, a.rate);
             solved.springs.push(Spring {
                 slip: a.sliding.speed,
+                retardation: mesh.retardation,
                 friction: mesh.friction.as_ref().map(|f| {
                     let place = (p.teeth[0], p.side(), p.x.z);
                     f.here(f.at(gears, mesh, at), place, at)
@@ -232,6 +233,7 @@ impl Nodal {
         }
         for (a, s) in self.active[start..].iter_mut().zip(&solved.springs) {
             (a.gap, a.force, a.elastic) = (s.gap, s.force, s.elastic);
+            a.seen_by = s.seen_by;
             a.sliding.force = s.friction_force;
             if self.failed {
                 a.force.n = f64::NAN;

@@ -8,8 +8,8 @@
 //! ```
 //!
 //! with the derivatives `D_g`, `D_r` of the laws, the points' rows `V`, and `D` by which the nodes follow
-//! ([`DissipativeSolve`](crate::contact::nodal::DissipativeSolve)). With the weights of a Newton matrix `h = D_c V y`,
-//! `D_c = c.k D_g + c.d D_r D`, so forces respond with `T = V^T D_c V + (W^T D_g V)^T (I + R S)^-1 R (W^T D_c V)`, and
+//! ([`DissipativeSolve`](crate::contact::nodal::DissipativeSolve)); with a retardation time `beta`, `h` has `D_g beta V
+//! dy'` as well. With the weights of a Newton matrix `h = D_c V y`, `D_c = (c.k + c.d beta) D_g + c.d D_r D`, so forces respond with `T = V^T D_c V + (W^T D_g V)^T (I + R S)^-1 R (W^T D_c V)`, and
 //! the correction is
 //!
 //! ```text
@@ -26,6 +26,7 @@ mod direct;
 use super::islands::{IslandSolution, Nodal};
 use crate::contact::nodal::{Spring, UNUSED};
 use crate::kinematics::Row;
+use crate::law::{LawForce, SeenBy};
 use crate::scene::members::{SceneGear, SceneMesh};
 use gearbench_integrators::system::{Coeffs, Singular};
 
@@ -226,8 +227,7 @@ impl ReducedTangent {
                 continue;
             }
             for i in s.points.clone() {
-                let force = &nodal.active[i].force;
-                let weight = c.k * force.dn_dg + c.d * force.dn_dgdot;
+                let weight = changes_by(&nodal.active[i].force, nodal.active[i].seen_by, c);
                 let row = self.rows[0].row(i);
                 add_outer(&mut response, size, row, row, weight);
             }
@@ -271,14 +271,14 @@ impl ReducedTangent {
             }
             s.solve.linearise(&s.springs)?;
             let n = s.solve.nodes();
-            for (out, weights) in [
-                (&mut self.elastic, (1.0, 0.0)),
-                (&mut self.weighted, (c.k, c.d)),
-            ] {
+            for (out, elastic) in [(&mut self.elastic, true), (&mut self.weighted, false)] {
                 out.clear();
                 out.resize(n * size, 0.0);
                 for (spring, i) in s.springs.iter().zip(s.points.clone()) {
-                    let d = weights.0 * spring.force.dn_dg + weights.1 * spring.force.dn_dgdot;
+                    let d = match elastic {
+                        true => spring.force.dn_dg,
+                        false => changes_by(&spring.force, spring.seen_by, c),
+                    };
                     let row = self.rows[0].row(i);
                     for (&node, w) in spring.nodes.iter().zip(spring.weights) {
                         for &(j, value) in row {
@@ -327,7 +327,7 @@ impl ReducedTangent {
         for (k, i) in s.points.clone().enumerate() {
             let spring = &s.springs[k];
             let by = [
-                c.k * spring.force.dn_dg + c.d * spring.force.dn_dgdot,
+                changes_by(&spring.force, spring.seen_by, c),
                 c.d * spring.friction_force.df_dv,
             ];
             for (d, rows) in self.rows.iter().enumerate() {
@@ -381,6 +381,13 @@ impl ReducedTangent {
         }
         Ok(())
     }
+}
+
+/// Returns the change of the normal force of a point, were its neighbours to stay, by its gap and rate before residual
+/// compliance with the weights of a Newton matrix.
+fn changes_by(force: &LawForce, seen_by: SeenBy, c: Coeffs) -> f64 {
+    let seen = c.k * seen_by.gap + c.d * seen_by.rate;
+    seen * force.dn_dg + c.d * force.dn_dgdot
 }
 
 /// Adds an outer product: `T += factor left right^T`.

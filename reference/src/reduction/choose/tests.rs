@@ -155,8 +155,10 @@ fn reduced_gears_are_sound_and_damping_is_what_was_asked() {
         beta: 1e-5,
         ..ModalDamping::default()
     };
-    let message = reduced(&b, &kept, &strong, true).unwrap_err().to_string();
-    assert!(message.contains("damp less"), "{message}");
+    // Fast modes may be damped beyond their critical damping.
+    let overdamped = reduced(&b, &kept, &strong, true).unwrap();
+    assert_eq!(overdamped.problem(), None);
+    assert!(overdamped.damping.iter().any(|z| *z > 1.0));
 }
 
 /// Twice the strain energy of flank nodes `k` and `l` of a reduced gear at an angular frequency: modes and residual compliance.
