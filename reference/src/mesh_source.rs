@@ -80,6 +80,13 @@ pub const PARAMETERS: [ParameterInfo; 11] = [
     ),
 ];
 
+/// The parameter with the damping of a body, read by [`Reader::rayleigh`].
+pub const RAYLEIGH: ParameterInfo = optional(
+    "rayleigh",
+    "[alpha, beta] of the damping alpha M + beta K, in 1/s and s; beta damps the static compliance of cut modes and the \
+     contact as well; alpha damps the modes of `elastic`",
+);
+
 /// Joins the parameters of a mesh with those of a model, `own`; `N` is their total number.
 pub const fn with_own<const N: usize>(own: &[ParameterInfo]) -> [ParameterInfo; N] {
     let mut all = [PARAMETERS[0]; N];

@@ -39,7 +39,7 @@
 //! `h/2 |r1 - r0|`: of second order like the error where a contact opens or closes within the step, and larger than
 //! the error, which is of third order, elsewhere. The global error then follows the tolerance with slope one.
 
-use super::propagator::{Tables, coefficients, quasi_static_of};
+use super::propagator::{Drift, Tables, coefficients, quasi_static_of};
 use super::resonance::{Filter, safe_step};
 use crate::equilibrium::shift;
 use crate::error::StepError;
@@ -106,6 +106,10 @@ pub struct Trigonometric {
     /// Time until which no contact can close.
     free_until: f64,
     query_interval: QueryInterval,
+    /// Quasi-static correction of each oscillator at a fixed step, and its velocity at rest under impulses, per unit of
+    /// acceleration.
+    lag: Vec<f64>,
+    at_rest: Vec<f64>,
     /// Velocities at the end of a step before its last half impulse.
     predicted: Vec<f64>,
     /// Filtered coordinates and velocities for the evaluation of the remainder.
@@ -213,6 +217,8 @@ impl OneStep for Trigonometric {
             &mut self.omega,
             &mut self.zeta,
             &mut self.steady,
+            &mut self.lag,
+            &mut self.at_rest,
             &mut self.predicted,
             &mut self.q,
             &mut self.v,
@@ -234,10 +240,16 @@ impl OneStep for Trigonometric {
         }
         // Of changing steps the shortest matter, at the edges of contact: they lag behind by nothing.
         if let Resolution::Step(h) = resolution {
-            for (quasi_static, &w) in self.predicted.iter_mut().zip(&self.omega) {
-                *quasi_static = quasi_static_of(w, h, self.filter_from);
+            let mut drift = Drift::default();
+            drift.fill(&self.omega, &self.zeta, h, self.filter_from);
+            for (i, &w) in self.omega.iter().enumerate() {
+                self.lag[i] = quasi_static_of(w, h, self.filter_from);
+                self.at_rest[i] = match self.zeta[i] {
+                    0.0 => 0.0,
+                    _ => drift.squares.get(i).unwrap_or(&1.0) * drift.rest_under_kicks(i)[1],
+                };
             }
-            split.prepare(&self.predicted);
+            split.prepare(&self.lag, &self.at_rest);
         }
         self.longest = safe_step(&self.omega);
         self.tables.clear();
@@ -267,9 +279,9 @@ impl OneStep for Trigonometric {
         if split.steady(s.at(), &mut self.steady) <= s.t {
             self.steady.fill(0.0);
         }
-        split.prepare(&x);
+        split.prepare(&x, &x);
         split.remainder(s.at(), &mut r);
-        split.prepare(&self.predicted);
+        split.prepare(&self.lag, &self.at_rest);
         let at_start = r.clone();
         let table = (self.tables).find(&self.omega, &self.zeta, s.t, h, self.filter_from);
         let drift = self.tables.get(table);

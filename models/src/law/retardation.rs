@@ -68,13 +68,23 @@ mod tests {
             };
             let (_, by) = retarded(0.0, [gap0, rate], beta);
             let slope = |of: [f64; 2]| (at(of) - at(of.map(|x| -x))) / (2.0 * h);
-            assert!((slope([h, 0.0]) / gap0 - by.gap).abs() < 1e-6, "{gap0} {rate}");
-            assert!((slope([0.0, h]) / rate - by.rate).abs() < 1e-6 * beta, "{gap0} {rate}");
+            assert!(
+                (slope([h, 0.0]) / gap0 - by.gap).abs() < 1e-6,
+                "{gap0} {rate}"
+            );
+            assert!(
+                (slope([0.0, h]) / rate - by.rate).abs() < 1e-6 * beta,
+                "{gap0} {rate}"
+            );
         }
         for rate in [1.0_f64, -1.0] {
             let at = |rate: f64| retarded(-1e-6, [-1e-6, rate], beta).0;
             assert!((at(rate * (1.0 - 1e-9)) - at(rate * (1.0 + 1e-9))).abs() < 1e-14);
         }
-        assert_eq!(retarded(-3e-6, [1e-6, -1.0], beta).0, -3e-6, "open without compliance");
+        assert_eq!(
+            retarded(-3e-6, [1e-6, -1.0], beta).0,
+            -3e-6,
+            "open without compliance"
+        );
     }
 }

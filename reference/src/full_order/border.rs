@@ -13,7 +13,7 @@
 //! P r^T`, with `r = -Y V` at nodes and the unit at the hub. Spin terms are left out of `A`, in addition to the terms
 //! that [`super::correction`] leaves out.
 
-use super::correction::{Correction, same};
+use super::correction::{Correction, Weights, same};
 use super::frame::Frame;
 use super::frame_pose::FramePose;
 use super::kinematics::node3;
@@ -105,7 +105,7 @@ impl Border {
             }
         }
         for column in factor.y.chunks_exact_mut(self.n) {
-            nodes.solve(Frame::Moved(Vec3::zeros()), c, 0.0, column)?;
+            nodes.solve(Frame::Moved(Vec3::zeros()), Weights::of_body(c), column)?;
         }
         factor.carried = Matrix6::zeros();
         for (row, [stiffness, mass]) in &held.coupling {
@@ -124,9 +124,13 @@ impl Border {
         hub: &HubBody,
         held: &TiedNodes,
         at: StateView<'_>,
-        c: Coeffs,
-        hub_damping: f64,
+        weights: Weights,
     ) -> Result<BorderState, Singular> {
+        let Weights {
+            body,
+            hub: c,
+            hub_damping,
+        } = weights;
         let frame_pose = FramePose::of(hub, at);
         let mut unit = Matrix6::zeros();
         for (k, d) in hub.free_directions().enumerate() {
@@ -135,7 +139,7 @@ impl Border {
             unit.fixed_view_mut::<3, 1>(first, k).copy_from(&axis);
         }
         let mass = self.plain.mass_matrix(&frame_pose.motion.x);
-        let inner = unit.transpose() * (c.k * held.stiffness - self.factors[0].carried) * unit;
+        let inner = unit.transpose() * (body.k * held.stiffness - self.factors[0].carried) * unit;
         let mut matrix = inner;
         for (j, dj) in hub.free_directions().enumerate() {
             let mut along = Motion::default();
@@ -166,20 +170,20 @@ impl Border {
         nodes: &mut Correction,
         (hub, held): (&HubBody, &TiedNodes),
         at: StateView<'_>,
-        (c, hub_damping): (Coeffs, f64),
+        weights: Weights,
         x: &mut [f64],
     ) -> Result<(), Singular> {
-        self.prepare(nodes, held, c)?;
-        let now = self.now(hub, held, at, c, hub_damping)?;
+        self.prepare(nodes, held, weights.body)?;
+        let now = self.now(hub, held, at, weights)?;
         let (of_hub, of_nodes) = x.split_at_mut(self.own);
-        nodes.solve(now.frame, c, 0.0, of_nodes)?;
+        nodes.solve(now.frame, Weights::of_body(weights.body), of_nodes)?;
         // B^T z, with z = A^-1 b_f in the frame.
         let mut pulled = Vector6::zeros();
         for (row, [stiffness, mass]) in &held.coupling {
             let (node, axis) = (*row as usize / 3, *row as usize % 3);
             let z = now.frame.to_frame(node3(of_nodes, node))[axis];
             for p in 0..6 {
-                pulled[p] += (c.k * stiffness[p] + c.m * mass[p]) * z;
+                pulled[p] += (weights.body.k * stiffness[p] + weights.body.m * mass[p]) * z;
             }
         }
         let mut right = -now.unit.tr_mul(&pulled);
@@ -244,11 +248,11 @@ impl Border {
         nodes: &mut Correction,
         (hub, held): (&HubBody, &TiedNodes),
         at: StateView<'_>,
-        (c, hub_damping): (Coeffs, f64),
+        weights: Weights,
         (coordinates, g): (&[u32], &mut [f64]),
     ) -> Result<(), Singular> {
-        self.prepare(nodes, held, c)?;
-        let now = self.now(hub, held, at, c, hub_damping)?;
+        self.prepare(nodes, held, weights.body)?;
+        let now = self.now(hub, held, at, weights)?;
         let n = coordinates.len();
         let own = self.own as u32;
         self.inner.clear();
@@ -257,7 +261,12 @@ impl Border {
         let m = self.inner.len();
         self.block.clear();
         self.block.resize(m * m, 0.0);
-        nodes.flexibility(now.frame, c, 0.0, &self.inner, &mut self.block)?;
+        nodes.flexibility(
+            now.frame,
+            Weights::of_body(weights.body),
+            &self.inner,
+            &mut self.block,
+        )?;
         let mut row = 0;
         for (i, &a) in coordinates.iter().enumerate() {
             let of_a = now.inverse.tr_mul(&self.towards(&now, a));
@@ -280,12 +289,12 @@ impl Border {
         nodes: &mut Correction,
         (hub, held): (&HubBody, &TiedNodes),
         at: StateView<'_>,
-        (c, hub_damping): (Coeffs, f64),
+        weights: Weights,
         (coordinates, forces): (&[u32], &[f64]),
         x: &mut [f64],
     ) -> Result<(), Singular> {
-        self.prepare(nodes, held, c)?;
-        let now = self.now(hub, held, at, c, hub_damping)?;
+        self.prepare(nodes, held, weights.body)?;
+        let now = self.now(hub, held, at, weights)?;
         let own = self.own as u32;
         self.inner.clear();
         self.forces.clear();
@@ -298,7 +307,13 @@ impl Border {
             }
         }
         let (of_hub, of_nodes) = x.split_at_mut(self.own);
-        nodes.add_response(now.frame, c, 0.0, &self.inner, &self.forces, of_nodes)?;
+        nodes.add_response(
+            now.frame,
+            Weights::of_body(weights.body),
+            &self.inner,
+            &self.forces,
+            of_nodes,
+        )?;
         self.respond(&now, load, of_hub, of_nodes, false)
     }
 }

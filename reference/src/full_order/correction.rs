@@ -15,6 +15,29 @@ use std::collections::HashMap;
 /// Memory for kept columns [bytes]; they are dropped when it is full.
 const COLUMN_BYTES: usize = 1 << 30;
 
+/// Weights of a Newton matrix.
+#[derive(Clone, Copy, Debug)]
+pub struct Weights {
+    /// Weights of mass and stiffness of the body; that of its damping, which is proportional to its stiffness, is in the
+    /// latter.
+    pub body: Coeffs,
+    /// Weights of the hub and its bearing.
+    pub hub: Coeffs,
+    /// Damping on the rotation of the hub [N m s/rad].
+    pub hub_damping: f64,
+}
+
+impl Weights {
+    /// Returns the weights of a body on a held hub.
+    pub fn of_body(body: Coeffs) -> Self {
+        Weights {
+            body,
+            hub: body,
+            hub_damping: 0.0,
+        }
+    }
+}
+
 /// Factor of the matrix for one set of weights.
 #[derive(Debug)]
 struct Factor {
@@ -69,8 +92,9 @@ impl Correction {
     }
 
     /// Makes the factor for weights the first of `factors`.
-    fn prepare(&mut self, c: Coeffs, hub_damping: f64) -> Result<(), Singular> {
-        let key = [c.m, c.k, c.d * hub_damping];
+    fn prepare(&mut self, weights: Weights) -> Result<(), Singular> {
+        let c = weights.body;
+        let key = [c.m, c.k, weights.hub.d * weights.hub_damping];
         if let Some(i) = self.factors.iter().position(|f| same(&f.key, &key)) {
             self.factors.swap(0, i);
             return Ok(());
@@ -113,14 +137,8 @@ impl Correction {
     }
 
     /// `x <- A^-1 x` for coordinates in space, the hub's first.
-    pub fn solve(
-        &mut self,
-        frame: Frame,
-        c: Coeffs,
-        hub_damping: f64,
-        x: &mut [f64],
-    ) -> Result<(), Singular> {
-        self.prepare(c, hub_damping)?;
+    pub fn solve(&mut self, frame: Frame, weights: Weights, x: &mut [f64]) -> Result<(), Singular> {
+        self.prepare(weights)?;
         // In the frame the hub's coordinate stands last.
         let (hub, nodes) = x.split_at_mut(self.own);
         self.buffer.clear();
@@ -191,12 +209,11 @@ impl Correction {
     pub fn flexibility(
         &mut self,
         frame: Frame,
-        c: Coeffs,
-        hub_damping: f64,
+        weights: Weights,
         coordinates: &[u32],
         g: &mut [f64],
     ) -> Result<(), Singular> {
-        self.prepare(c, hub_damping)?;
+        self.prepare(weights)?;
         self.keep(coordinates);
         let (n, s) = (self.n, coordinates.len());
         let factor = &self.factors[0];
@@ -242,13 +259,12 @@ impl Correction {
     pub fn add_response(
         &mut self,
         frame: Frame,
-        c: Coeffs,
-        hub_damping: f64,
+        weights: Weights,
         coordinates: &[u32],
         forces: &[f64],
         x: &mut [f64],
     ) -> Result<(), Singular> {
-        self.prepare(c, hub_damping)?;
+        self.prepare(weights)?;
         self.keep(coordinates);
         let n = self.n;
         self.small.clear();

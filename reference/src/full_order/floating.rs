@@ -71,12 +71,6 @@ impl FullOrder {
         FramePose::of(&self.hub, at)
     }
 
-    /// Elastic displacements and the forces `K u` of all nodes, in the frame.
-    fn strained(&self, frame_pose: &FramePose, q: &[f64], u: &mut [f64], g: &mut [f64]) {
-        self.elastic(frame_pose.frame(), q, u);
-        self.body.assembly.stiffness.apply(u, g);
-    }
-
     /// Elastic forces of the free nodes on the hub, in space.
     fn elastic_load(&self, frame_pose: &FramePose, u: &[f64], g: &[f64]) -> Load {
         let mut sum = Load::default();
@@ -139,8 +133,8 @@ impl FullOrder {
     pub(super) fn floating_forces(&self, held: &TiedNodes, at: StateView<'_>, f: &mut [f64]) {
         let frame_pose = self.frame_pose(at);
         let mut nodal = self.scratch.borrow_mut();
-        let Nodal { u, g, .. } = &mut *nodal;
-        self.strained(&frame_pose, at.q, u, g);
+        self.strained(at, &mut nodal);
+        let Nodal { u, g, .. } = &*nodal;
         let load = self.elastic_load(&frame_pose, u, g);
         for (f, d) in f.iter_mut().zip(self.hub.free_directions()) {
             *f += frame_pose.component(d, &load.force, &load.moment);
@@ -167,13 +161,20 @@ impl FullOrder {
     ) {
         let frame_pose = self.frame_pose(at);
         let mut nodal = self.scratch.borrow_mut();
-        let Nodal { u, g, du, dg, .. } = &mut *nodal;
-        self.strained(&frame_pose, at.q, u, g);
+        self.strained(at, &mut nodal);
+        let Nodal {
+            u, w, g, du, dg, ..
+        } = &mut *nodal;
         let (mut dx, mut rates) = ([0.0; 6], [0.0; 6]);
         for (k, d) in self.hub.free_directions().enumerate() {
             (dx[d], rates[d]) = (dq[k], dv[k]);
         }
         let along = frame_pose.along(&dx);
+        // How the rate of the strain turns with the frame is left out.
+        let rate = frame_pose.along(&rates);
+        let [turning, shifting] = [rate.turn, rate.shift].map(|x| frame_pose.turn.tr_mul(&x));
+        let beta = self.hub.retardation;
+        w.fill(0.0);
         let [turned, shifted] = [along.turn, along.shift].map(|x| frame_pose.turn.tr_mul(&x));
         du.fill(0.0);
         for (k, &node) in self.body.free.iter().enumerate() {
@@ -182,8 +183,11 @@ impl FullOrder {
             let own = frame_pose.turn.tr_mul(&vec3(&dq[self.own..], k));
             let change = own - shifted - turned.cross(&y);
             du[3 * node..][..3].copy_from_slice(change.as_slice());
+            let own = frame_pose.turn.tr_mul(&vec3(&dv[self.own..], k));
+            let with_rate = change + beta * (own - shifting - turning.cross(&y));
+            w[3 * node..][..3].copy_from_slice(with_rate.as_slice());
         }
-        self.body.assembly.stiffness.apply(du, dg);
+        self.body.assembly.stiffness.apply(w, dg);
         let load = self.elastic_load(&frame_pose, u, g);
         let mut change = Load::default();
         for (k, &node) in self.body.free.iter().enumerate() {
@@ -271,7 +275,8 @@ impl FullOrder {
         let mut nodal = self.scratch.borrow_mut();
         nodal.momentum = momentum;
         let Nodal { u, g, .. } = &mut *nodal;
-        self.strained(&self.frame_pose(at), at.q, u, g);
+        self.elastic(self.frame(at), at.q, u);
+        self.body.assembly.stiffness.apply(u, g);
         Energy {
             kinetic,
             strain: 0.5 * dot(u, g) + self.hub.bearing_energy(at)[0],
@@ -288,14 +293,14 @@ impl FullOrder {
         let mut external = self.hub.driven_power(at);
         if driven.iter().any(|v| *v != 0.0) {
             let mut nodal = self.scratch.borrow_mut();
-            let Nodal { u, g, .. } = &mut *nodal;
-            self.strained(&frame_pose, at.q, u, g);
+            self.strained(at, &mut nodal);
+            let Nodal { u, g, .. } = &*nodal;
             let load = self.elastic_load(&frame_pose, u, g);
             let of = |d: usize| driven[d] * frame_pose.component(d, &load.force, &load.moment);
             external -= (0..6).map(of).sum::<f64>();
         }
         Power {
-            dissipated: self.hub.bearing_energy(at)[1],
+            dissipated: self.hub.bearing_energy(at)[1] + self.damping_power(at),
             external,
             ..Power::default()
         }
@@ -350,14 +355,13 @@ impl FullOrder {
             return Wrench::default();
         };
         let frame_pose = self.frame_pose(at);
-        let frame = frame_pose.frame();
-        let d = &at.q[self.own..];
         let mut pull = Vec3::zeros();
+        let mut nodal = self.scratch.borrow_mut();
+        self.strained(at, &mut nodal);
         for (place, k) in &self.body.grip {
             let node = self.body.free[*place as usize] as usize;
-            let u = frame.elastic(&self.body.position[node], &d[3 * *place as usize..][..3]);
             for i in 0..3 {
-                pull[i] += super::kinematics::dot3(u, &k[3 * i..3 * i + 3]);
+                pull[i] += super::kinematics::dot3(node3(&nodal.w, node), &k[3 * i..3 * i + 3]);
             }
         }
         let [spin, second] = frame_pose.spin();
@@ -378,8 +382,8 @@ impl FullOrder {
         let mut torque = 0.0;
         if !self.hub.is_free() && own >= 3 {
             let mut nodal = self.scratch.borrow_mut();
-            let Nodal { u, g, .. } = &mut *nodal;
-            self.strained(&frame_pose, at.q, u, g);
+            self.strained(at, &mut nodal);
+            let Nodal { u, g, .. } = &*nodal;
             let load = self.elastic_load(&frame_pose, u, g);
             let spins = lateral.spin_forces(&frame_pose.motion)[own];
             torque = -spins - frame_pose.component(own, &load.force, &load.moment);

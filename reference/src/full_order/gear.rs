@@ -6,10 +6,11 @@
 //! ([`super::frame`]): `u = R^T (X + d) - X`, strain energy `U = u^T K u / 2`,
 //!
 //! ```text
-//! M_ff d'' + M_fb x_b''(theta) = -R K u + contact
-//! J theta'' + (dx_b/dtheta)^T M_bf d'' = sum_free (z x (X + u)) . K u + T
+//! M_ff d'' + M_fb x_b''(theta) = -R K w + contact,    w = u + beta u'
+//! J theta'' + (dx_b/dtheta)^T M_bf d'' = sum_free (z x (X + u)) . K w + T
 //! ```
 //!
+//! `beta` is the retardation time of a body with damping proportional to its stiffness.
 //! `b` are the nodes that the hub holds rigidly. Strain energy depends on neither the place nor the turn of the
 //! whole gear, so its momenta are conserved by construction. This is the floating frame of reference (A. A.
 //! Shabana, *Dynamics of Multibody Systems*, ch. 5) written in absolute coordinates; large turns, small strains.
@@ -37,7 +38,9 @@ use std::cell::RefCell;
 pub(super) struct Nodal {
     /// Elastic displacement in the frame, or a velocity; entries of tied nodes are not changed.
     pub(super) u: Vec<f64>,
-    /// Product of stiffness or mass with `u`.
+    /// Elastic displacement with retardation, or its rate.
+    pub(super) w: Vec<f64>,
+    /// Product of stiffness or mass with one of them.
     pub(super) g: Vec<f64>,
     /// A second direction, for tangents.
     pub(super) du: Vec<f64>,
@@ -113,12 +116,21 @@ impl FullOrder {
             lines: Lines::default(),
             scratch: RefCell::new(Nodal {
                 u: zeros(),
+                w: zeros(),
                 g: zeros(),
                 du: zeros(),
                 dg: zeros(),
                 momentum: Vec::new(),
             }),
         }
+    }
+
+    /// Returns the gear with damping proportional to its stiffness, of body and flanks, with a retardation time [s].
+    #[must_use]
+    pub fn with_retardation(mut self, retardation: f64) -> Self {
+        self.hub.retardation = retardation;
+        self.hub.conservative &= retardation == 0.0;
+        self
     }
 
     /// Returns the gear with contact along lines of its flanks.
@@ -189,9 +201,8 @@ impl GearModel for FullOrder {
         }
         let frame = self.frame(at);
         let mut nodal = self.scratch.borrow_mut();
-        let Nodal { u, g, .. } = &mut *nodal;
-        self.elastic(frame, at.q, u);
-        self.body.assembly.stiffness.apply(u, g);
+        self.strained(at, &mut nodal);
+        let Nodal { u, g, .. } = &*nodal;
         if self.own > 0 {
             f[0] += self.torque(u, g);
         }
@@ -213,9 +224,11 @@ impl GearModel for FullOrder {
         }
         let frame = self.frame(at);
         let mut nodal = self.scratch.borrow_mut();
-        let Nodal { u, g, du, dg, .. } = &mut *nodal;
-        self.elastic(frame, at.q, u);
-        self.body.assembly.stiffness.apply(u, g);
+        self.strained(at, &mut nodal);
+        let Nodal {
+            u, w, g, du, dg, ..
+        } = &mut *nodal;
+        let (beta, spin) = (self.hub.retardation, self.hub.speed(at.t, at.v));
         let (dhub, dspeed) = if self.own > 0 {
             (dq[0], dv[0])
         } else {
@@ -230,8 +243,28 @@ impl GearModel for FullOrder {
                 du[3 * node + axis] = own[axis] - dhub * arm[axis];
             }
         }
-        self.body.assembly.stiffness.apply(du, dg);
         let turning = self.slide().is_none();
+        if beta == 0.0 {
+            w.copy_from_slice(du);
+        } else {
+            for (k, &node) in self.body.free.iter().enumerate() {
+                let node = node as usize;
+                let own = frame.to_frame(node3(&dv[self.own..], k));
+                let arm = self.arm(node, u);
+                let mut rate = [0, 1, 2].map(|axis| own[axis] - dspeed * arm[axis]);
+                if turning {
+                    // The velocity turns with the frame, the arm with the displacement.
+                    let v = frame.to_frame(node3(&at.v[self.own..], k));
+                    let turned = [0, 1].map(|axis| dhub * v[axis] + spin * du[3 * node + axis]);
+                    rate[0] += turned[1];
+                    rate[1] -= turned[0];
+                }
+                for axis in 0..3 {
+                    w[3 * node + axis] = du[3 * node + axis] + beta * rate[axis];
+                }
+            }
+        }
+        self.body.assembly.stiffness.apply(w, dg);
         let mut torque = 0.0;
         for (k, &node) in self.body.free.iter().enumerate() {
             let node = node as usize;
@@ -296,6 +329,7 @@ impl GearModel for FullOrder {
             return self.floating_powers(at);
         }
         Power {
+            dissipated: self.damping_power(at),
             external: self.driven_power(at),
             ..Power::default()
         }
@@ -337,13 +371,14 @@ impl GearModel for FullOrder {
         let frame = self.frame(at);
         let speed = self.hub.speed(at.t, at.v);
         let prescribed = self.hub.prescribed_acceleration(at.t);
-        let d = &at.q[self.own..];
+        let mut nodal = self.scratch.borrow_mut();
+        self.strained(at, &mut nodal);
+        let Nodal { u, w, g, .. } = &*nodal;
         let mut pull = [0.0; 3];
         for (place, k) in &self.body.grip {
             let node = self.body.free[*place as usize] as usize;
-            let u = frame.elastic(&self.body.position[node], &d[3 * *place as usize..][..3]);
             for (i, pull) in pull.iter_mut().enumerate() {
-                *pull += dot3(u, &k[3 * i..3 * i + 3]);
+                *pull += dot3(node3(w, node), &k[3 * i..3 * i + 3]);
             }
         }
         let mut force = Vec3::from(frame.to_space(pull));
@@ -358,10 +393,6 @@ impl GearModel for FullOrder {
         }
         let mut torque = 0.0;
         if self.own == 0 {
-            let mut nodal = self.scratch.borrow_mut();
-            let Nodal { u, g, .. } = &mut *nodal;
-            self.elastic(frame, at.q, u);
-            self.body.assembly.stiffness.apply(u, g);
             torque = self.body.hub_inertia * prescribed - self.torque(u, g);
         }
         Wrench { force, torque }
@@ -399,9 +430,8 @@ impl FullOrder {
             return 0.0;
         }
         let mut nodal = self.scratch.borrow_mut();
-        let Nodal { u, g, .. } = &mut *nodal;
-        self.elastic(self.frame(at), at.q, u);
-        self.body.assembly.stiffness.apply(u, g);
+        self.strained(at, &mut nodal);
+        let Nodal { u, g, .. } = &*nodal;
         let inertia = self.body.hub_inertia * self.hub.prescribed_acceleration(at.t);
         self.hub.speed(at.t, at.v) * (inertia - self.torque(u, g))
     }

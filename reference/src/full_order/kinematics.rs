@@ -2,8 +2,9 @@
 //! coordinates, effective base radius arms, points between nodes.
 
 use super::frame::{Frame, unit_motion};
-use super::gear::FullOrder;
+use super::gear::{FullOrder, Nodal};
 use crate::assembly::tie::Tie;
+use crate::vector::dot;
 use gearbench_integrators::system::StateView;
 use gearbench_models::Vec3;
 use gearbench_models::error::Reason;
@@ -39,6 +40,61 @@ impl FullOrder {
                 u[3 * node..][..3].fill(0.0);
             }
         }
+    }
+
+    /// Elastic displacements `u` of all nodes in the frame, the displacements `w = u + beta u'` with the retardation
+    /// time of the body, and their forces `g = K w`.
+    pub(super) fn strained(&self, at: StateView<'_>, nodal: &mut Nodal) {
+        let Nodal { u, w, g, .. } = nodal;
+        self.elastic(self.frame(at), at.q, u);
+        let beta = self.hub.retardation;
+        if beta == 0.0 {
+            w.copy_from_slice(u);
+        } else {
+            self.strain_rates(at, u, w);
+            for (w, u) in w.iter_mut().zip(&*u) {
+                *w = u + beta * *w;
+            }
+        }
+        self.body.assembly.stiffness.apply(w, g);
+    }
+
+    /// Rates of the elastic displacements `u` of all nodes in the frame.
+    pub(super) fn strain_rates(&self, at: StateView<'_>, u: &[f64], rates: &mut [f64]) {
+        rates.fill(0.0);
+        let v = &at.v[self.own..];
+        if self.held().is_some() {
+            let pose = self.frame_pose(at);
+            for (k, &node) in self.body.free.iter().enumerate() {
+                let node = node as usize;
+                let place = pose.turn * (self.body.position[node] + Vec3::from(node3(u, node)));
+                let rate = Vec3::from(node3(v, k)) - pose.velocity(&place);
+                rates[3 * node..][..3].copy_from_slice(pose.turn.tr_mul(&rate).as_slice());
+            }
+            return;
+        }
+        let (frame, speed) = (self.frame(at), self.hub.speed(at.t, at.v));
+        for (k, &node) in self.body.free.iter().enumerate() {
+            let node = node as usize;
+            let (own, arm) = (frame.to_frame(node3(v, k)), self.arm(node, u));
+            for axis in 0..3 {
+                rates[3 * node + axis] = own[axis] - speed * arm[axis];
+            }
+        }
+    }
+
+    /// Returns the power that the damping of the body takes [W].
+    pub(super) fn damping_power(&self, at: StateView<'_>) -> f64 {
+        let beta = self.hub.retardation;
+        if beta == 0.0 {
+            return 0.0;
+        }
+        let mut nodal = self.scratch.borrow_mut();
+        let Nodal { u, w, g, .. } = &mut *nodal;
+        self.elastic(self.frame(at), at.q, u);
+        self.strain_rates(at, u, w);
+        self.body.assembly.stiffness.apply(w, g);
+        beta * dot(w, g)
     }
 
     /// Velocities of all nodes in space.

@@ -2,6 +2,7 @@
 //! a few of its coordinates.
 
 use super::FullOrder;
+use super::correction::Weights;
 use super::frame::unit_motion;
 use super::gear::Nodal;
 use super::kinematics::dot3;
@@ -10,6 +11,18 @@ use gearbench_integrators::system::{Coeffs, Singular, StateView};
 use gearbench_models::gear::{CoupledMass, LargeGear};
 
 impl FullOrder {
+    /// Returns the weights of the Newton matrix of the body, whose damping goes with its stiffness.
+    fn weights(&self, c: Coeffs, hub_damping: f64) -> Weights {
+        Weights {
+            body: Coeffs {
+                k: c.k + self.hub.retardation * c.d,
+                ..c
+            },
+            hub: c,
+            hub_damping,
+        }
+    }
+
     /// `x <- A^-1 x`.
     pub(super) fn solve(
         &self,
@@ -18,11 +31,12 @@ impl FullOrder {
         x: &mut [f64],
     ) -> Result<(), Singular> {
         let (mut nodes, mut border) = (self.correction.borrow_mut(), self.border.borrow_mut());
+        let weights = self.weights(c, hub_damping);
         match (&mut *border, self.held()) {
             (Some(border), Some(held)) => {
-                border.solve(&mut nodes, (&self.hub, held), at, (c, hub_damping), x)
+                border.solve(&mut nodes, (&self.hub, held), at, weights, x)
             }
-            _ => nodes.solve(self.frame(at), c, hub_damping, x),
+            _ => nodes.solve(self.frame(at), weights, x),
         }
     }
 }
@@ -76,11 +90,12 @@ impl LargeGear for FullOrder {
         g: &mut [f64],
     ) -> Result<(), Singular> {
         let (mut nodes, mut border) = (self.correction.borrow_mut(), self.border.borrow_mut());
+        let weights = self.weights(c, hub_damping);
         if let (Some(border), Some(held)) = (&mut *border, self.held()) {
-            let (hub, weights) = ((&self.hub, held), (c, hub_damping));
+            let hub = (&self.hub, held);
             return border.flexibility(&mut nodes, hub, at, weights, (coordinates, g));
         }
-        nodes.flexibility(self.frame(at), c, hub_damping, coordinates, g)
+        nodes.flexibility(self.frame(at), weights, coordinates, g)
     }
 
     fn add_response(
@@ -92,11 +107,12 @@ impl LargeGear for FullOrder {
         x: &mut [f64],
     ) -> Result<(), Singular> {
         let (mut nodes, mut border) = (self.correction.borrow_mut(), self.border.borrow_mut());
+        let weights = self.weights(c, hub_damping);
         if let (Some(border), Some(held)) = (&mut *border, self.held()) {
-            let (hub, weights) = ((&self.hub, held), (c, hub_damping));
+            let hub = (&self.hub, held);
             return border.add_response(&mut nodes, hub, at, weights, (coordinates, forces), x);
         }
-        nodes.add_response(self.frame(at), c, hub_damping, coordinates, forces, x)
+        nodes.add_response(self.frame(at), weights, coordinates, forces, x)
     }
 
     fn factorisations(&self) -> u64 {

@@ -4,7 +4,7 @@ use super::body::{AddedInertia, Body};
 use super::gear::FullOrder;
 use super::lines::Lines;
 use crate::assembly::tie::MassKind;
-use crate::mesh_source::{self, MeshParameters, Reader, Source, optional};
+use crate::mesh_source::{self, MeshParameters, RAYLEIGH, Reader, Source, optional};
 use crate::reduction::added_of;
 use gearbench_models::error::BuildError;
 use gearbench_models::gear::GearModel;
@@ -17,10 +17,13 @@ use serde::{Deserialize, Serialize};
 const MODEL: &str = "fe";
 
 /// Parameters of the model.
-const PARAMETERS: [ParameterInfo; 12] = mesh_source::with_own(&[optional(
-    "mass",
-    "\"consistent\" (default) or \"lumped\", which explicit methods want",
-)]);
+const PARAMETERS: [ParameterInfo; 13] = mesh_source::with_own(&[
+    optional(
+        "mass",
+        "\"consistent\" (default) or \"lumped\", which explicit methods want",
+    ),
+    RAYLEIGH,
+]);
 
 /// Parameters of the model; the row of its table describes them.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -28,6 +31,8 @@ const PARAMETERS: [ParameterInfo; 12] = mesh_source::with_own(&[optional(
 pub struct FullOrderParameters {
     /// Mass matrix; `None` selects the consistent one.
     pub mass: Option<MassKind>,
+    /// Constants of damping proportional to mass and stiffness, of which the first has to be 0 [1/s, s].
+    pub rayleigh: Option<[f64; 2]>,
     /// Where the mesh comes from.
     #[serde(flatten)]
     pub mesh: MeshParameters,
@@ -57,6 +62,16 @@ fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
     };
     let given = FullOrderParameters::read(context.parameters)?;
     let mass = given.mass.unwrap_or(MassKind::Consistent);
+    let [alpha, retardation] = reader.rayleigh(given.rayleigh)?;
+    if alpha != 0.0 {
+        return Err(reader.error(
+            RAYLEIGH.key,
+            (
+                "damping proportional to the mass is that of modes, which this model does not have",
+                "give [0, beta], or use the model `elastic`",
+            ),
+        ));
+    }
     let mut mesh = Source::read(&reader, &given.mesh)?.whole(&reader)?;
     if let Toothing::Gear(gear) = context.body {
         mesh.deviate(gear);
@@ -125,7 +140,9 @@ fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
     };
     let body = body.map_err(|e| reader.error("mesh", e.to_string()).of_model())?;
     let gear = FullOrder::new(context.hub.clone(), context.effective_radius, body);
-    Ok(Box::new(gear.with_lines(lines)))
+    Ok(Box::new(
+        gear.with_retardation(retardation).with_lines(lines),
+    ))
 }
 
 #[cfg(test)]

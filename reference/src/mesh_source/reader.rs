@@ -1,5 +1,6 @@
 //! Parameters of a gear as its model reads them: numbers in their ranges, errors that name model and key.
 
+use super::RAYLEIGH;
 use gearbench_models::error::{BuildError, Reason};
 use gearbench_models::gear::table::GearContext;
 
@@ -25,6 +26,21 @@ impl Reader<'_> {
                 Err(self.error(key, "expected a number above 0"))
             }
             value => Ok(value),
+        }
+    }
+
+    /// Returns the constants of a damping `alpha M + beta K` [1/s, s], zero where they are not given.
+    ///
+    /// # Errors
+    /// [`BuildError`] for a number below zero.
+    pub fn rayleigh(&self, given: Option<[f64; 2]>) -> Result<[f64; 2], BuildError> {
+        let both = given.unwrap_or_default();
+        match both.iter().all(|x| x.is_finite() && *x >= 0.0) {
+            true => Ok(both),
+            false => Err(self.error(
+                RAYLEIGH.key,
+                "expected two numbers of 0 or more: [alpha, beta]",
+            )),
         }
     }
 

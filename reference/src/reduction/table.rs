@@ -5,7 +5,7 @@ use super::estimate::Impacts;
 use super::parameters::ElasticParameters;
 use super::recovery::{MeshExtent, MeshRecovery};
 use super::{Basis, ModeSelection, ReductionError, open, shared};
-use crate::mesh_source::{self, Reader, Source, optional};
+use crate::mesh_source::{self, RAYLEIGH, Reader, Source, optional};
 use gearbench_models::error::BuildError;
 use gearbench_models::gear::GearModel;
 use gearbench_models::gear::elastic::Elastic;
@@ -42,11 +42,7 @@ pub(super) const PARAMETERS: [ParameterInfo; 22] = mesh_source::with_own(&[
         "keeps the fewest modes whose estimated error of the force history, relative L2, is this or less",
     ),
     optional("damping_ratio", "damping ratio of all modes; default 0"),
-    optional(
-        "rayleigh",
-        "[alpha, beta] of the damping alpha M + beta K, in 1/s and s; beta damps the static compliance of the other modes \
-         and the contact as well",
-    ),
+    RAYLEIGH,
     optional(
         "step_s",
         "longest step that shall carry the modes: those above 0.64 pi / step are truncated; default 1e-6",
@@ -81,13 +77,7 @@ const STEP: f64 = 1e-6;
 const LEAST_CANDIDATES: usize = 400;
 
 fn damping(reader: &Reader<'_>, given: &ElasticParameters) -> Result<ModalDamping, BuildError> {
-    let [alpha, beta] = given.rayleigh.unwrap_or_default();
-    if ![alpha, beta].iter().all(|x| x.is_finite() && *x >= 0.0) {
-        return Err(reader.error(
-            "rayleigh",
-            "expected two numbers of 0 or more: [alpha, beta]",
-        ));
-    }
+    let [alpha, beta] = reader.rayleigh(given.rayleigh)?;
     let ratio = reader.not_negative("damping_ratio", given.damping_ratio)?;
     if ratio >= 1.0 {
         return Err(reader.error(
@@ -98,11 +88,7 @@ fn damping(reader: &Reader<'_>, given: &ElasticParameters) -> Result<ModalDampin
             ),
         ));
     }
-    Ok(ModalDamping {
-        ratio,
-        alpha,
-        beta,
-    })
+    Ok(ModalDamping { ratio, alpha, beta })
 }
 
 /// Contact lies evenly over the face width of a spur toothing without crowning whose hub does not move sideways.

@@ -106,12 +106,14 @@ fn short(x: f64) -> f64 {
     (x * digits).round() / digits
 }
 
-/// Returns full finite elements on the meshes of elastic gears, with their contact and without modal damping.
+/// Returns full finite elements on the meshes of elastic gears, with their contact and the damping proportional to their
+/// stiffness; other damping of their modes is left out.
 pub fn full(flexible: &ElasticSettings) -> Modelling {
     let gears = (flexible.gears.iter())
         .map(|p| {
             FullOrderParameters {
                 mass: None,
+                rayleigh: p.rayleigh.map(|[_, beta]| [0.0, beta]),
                 mesh: p.mesh.clone(),
             }
             .spec()

@@ -24,8 +24,9 @@ pub struct Spring {
     pub stiffness: f64,
     /// Contact law with the damper of the point.
     pub law: Law,
-    /// Retardation time of the flanks [s], and the rate of the gap before residual compliance without contact [m/s].
+    /// Retardation time of the flanks [s].
     pub retardation: f64,
+    /// Rate of the gap before residual compliance, without contact [m/s].
     pub rate_before: f64,
     /// Result: gap with residual compliance [m].
     pub gap: f64,
