@@ -6,6 +6,7 @@
 //! | [`messages`] | standard output and standard error, warnings |
 //! | [`models`] | the table of gear models |
 //! | [`scene_file`] | the scene format, embedded scenes, calibrations |
+//! | [`small_signals`] | equilibrium, natural modes and frequency response of linearised scenes, stated damping |
 //! | [`experiment`] | runs of one model under one integrator: conditions, row of the record, status |
 //! | [`fmu`] | a scene as a functional mock-up unit: variables, description, package |
 //! | [`studies`] | one module for each study: arguments, plan, runs, summary |
@@ -19,5 +20,6 @@ pub mod fmu;
 pub mod messages;
 pub mod models;
 pub mod scene_file;
+pub mod small_signals;
 pub mod studies;
 mod tools;

@@ -14,6 +14,7 @@
 //! | [`interruption`] | handling of Ctrl-C and SIGTERM |
 //! | [`journal`] | storage of finished work, so that an interrupted study continues |
 //! | [`key`] | keys of pieces of work, hashed from their inputs |
+//! | `linear_models` | models for analyses with dense matrices, and their mesh modes |
 //! | [`machine`] | computer, program and time of a record |
 //! | [`parallel`] | parallel execution of pieces of work |
 //! | `record` | the row of a run in the record, and its histories |
@@ -26,7 +27,6 @@
 //! | [`runner`] | execution of a study piece by piece |
 //! | `settings` | settings of a scene for the report |
 //! | [`status`] | status of a run: one label for every kind of failure |
-//! | [`small_signals`] | equilibrium, natural modes and frequency response of linearised scenes |
 //! | `decimation` | reduction of histories to the size of a record |
 //! | `monitored_observer` | a run with one more observer |
 
@@ -44,6 +44,7 @@ pub(crate) mod history;
 pub mod interruption;
 pub mod journal;
 pub mod key;
+pub(crate) mod linear_models;
 pub mod machine;
 mod monitored_observer;
 pub mod parallel;
@@ -57,5 +58,4 @@ pub mod run;
 pub mod runner;
 pub(crate) mod settings;
 mod shaft_text;
-pub mod small_signals;
 pub mod status;

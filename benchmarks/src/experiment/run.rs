@@ -15,7 +15,7 @@ use super::record::{
 };
 use super::status::RunMonitor;
 use crate::context::Context;
-use crate::experiment::small_signals::assemble;
+use crate::small_signals::assemble;
 use gearbench_integrators::modal::resonance::{resonances, safe_step};
 use gearbench_integrators::system::{SecondOrderSystem, State};
 use gearbench_integrators::{

@@ -4,8 +4,8 @@
 //! Added loads are zero until a host sets them, so that the scene by itself runs as it does without a host.
 
 use super::interface::Interface;
-use crate::experiment::small_signals::assemble;
 use crate::scene_file::{ModelChoice, SceneError, SceneFile, did_you_mean};
+use crate::small_signals::assemble;
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{Load, Mount, Profile, SceneSpec, StationMember, initial_speed};
 

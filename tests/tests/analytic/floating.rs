@@ -3,8 +3,8 @@
 
 use crate::loaded_start::{scene, shipped};
 use gearbench::context::Context;
-use gearbench::experiment::small_signals::assemble;
 use gearbench::scene_file::{Origin, SceneFile};
+use gearbench::small_signals::assemble;
 use gearbench::studies::modes::{ModesSettings, vibrations};
 use gearbench_integrators::system::SecondOrderSystem;
 use gearbench_models::scene::Scene;

@@ -2,8 +2,8 @@
 
 use crate::pin_starts::PINS;
 use gearbench::context::Context;
-use gearbench::experiment::small_signals::assemble;
 use gearbench::scene_file::{Origin, SceneFile, shipped::SHIPPED};
+use gearbench::small_signals::assemble;
 use gearbench_integrators::system::{Change, SecondOrderSystem, State};
 use gearbench_integrators::{NullSink, Resolution, TimePlan, Work, method};
 use gearbench_models::error::{BuildError, MeshPart, Subject};

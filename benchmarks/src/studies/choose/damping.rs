@@ -13,7 +13,7 @@
 use super::detail::Details;
 use super::plan::elastic;
 use super::problem::Problem;
-use crate::experiment::small_signals::mesh_mode::{FEW, mesh_mode};
+use crate::small_signals::mesh_mode::{FEW, mesh_mode};
 use gearbench_models::law::Damping;
 use gearbench_models::spec::Modelling;
 use std::f64::consts::TAU;

@@ -7,7 +7,7 @@ use crate::experiment::budget::ProcessorClock;
 use crate::experiment::key::Key;
 use crate::experiment::machine::cpu_time;
 use crate::experiment::run::{Job, RunError, run_in};
-use crate::experiment::small_signals::assemble;
+use crate::small_signals::assemble;
 use gearbench_integrators::Scheme;
 use gearbench_integrators::{NullSink, TimePlan, Work};
 use gearbench_models::gear::table::properties_of;

@@ -12,9 +12,9 @@ use crate::experiment::decimation::decimate;
 use crate::experiment::key::Key;
 use crate::experiment::run::{Job, RunError, force_on_grid, run};
 use crate::experiment::runner::Runner;
-use crate::experiment::small_signals::assemble;
 use crate::scene_file::calibration::Constants;
 use crate::scene_file::{ModelChoice, SceneFile};
+use crate::small_signals::assemble;
 use gearbench_integrators::Resolution;
 use gearbench_integrators::table::DOPRI5;
 use gearbench_reports::identify::{

@@ -5,7 +5,7 @@
 //! ```
 //!
 //! with the scene's own mass, tangents and constraints ([`small signals`](gearbench_models::scene::LinearisedScene)) where its
-//! loads have come to rest ([`loaded`](crate::experiment::small_signals::loaded)). Modes are named by where their energy lies.
+//! loads have come to rest ([`loaded`](crate::small_signals::loaded)). Modes are named by where their energy lies.
 //!
 //! | module | owns |
 //! |---|---|

@@ -5,11 +5,9 @@ use super::shares::{name, name_of, shape, shares};
 use crate::experiment::error::StudyError;
 use crate::experiment::key::Key;
 use crate::experiment::runner::Runner;
-use crate::experiment::small_signals::mesh_mode::{FEW, mesh_mode_of, resonance, with_resonance};
-use crate::experiment::small_signals::motions::{Energies, Motion, SLACK, energies};
-use crate::experiment::small_signals::{
-    LoadedState, LoadedStateError, MOST, has_loads, loaded, settled,
-};
+use crate::small_signals::mesh_mode::{FEW, mesh_mode_of, resonance, with_resonance};
+use crate::small_signals::motions::{Energies, Motion, SLACK, energies};
+use crate::small_signals::{LoadedState, LoadedStateError, MOST, has_loads, loaded, settled};
 use gearbench_integrators::system::SecondOrderSystem;
 use gearbench_models::error::{BuildError, Fault};
 use gearbench_models::gear::table::Model;

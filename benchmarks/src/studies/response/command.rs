@@ -11,7 +11,7 @@ use crate::cli::terminal::{Refusal, refuse_study};
 use crate::context::Context;
 use crate::experiment::conditions::Conditions;
 use crate::experiment::configuration::Configuration;
-use crate::experiment::small_signals::selected_models;
+use crate::experiment::linear_models::selected_models;
 use crate::scene_file::{self, SceneError, Selection};
 use gearbench_reports::Study;
 use gearbench_reports::record::Results;

@@ -1,5 +1,5 @@
 //! Frequency response of a whole scene to the passing of its teeth, about its loaded state: transmission errors, mesh forces and
-//! forces on mounts over the mesh frequency, by harmonic balance ([`response`](crate::experiment::small_signals::response)).
+//! forces on mounts over the mesh frequency, by harmonic balance ([`response`](crate::small_signals::response)).
 
 pub(crate) mod arguments;
 pub(crate) mod command;

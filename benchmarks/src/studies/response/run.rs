@@ -3,12 +3,13 @@
 use super::plan::{FrequencyGrid, Plan};
 use crate::experiment::error::StudyError;
 use crate::experiment::key::Key;
+use crate::experiment::linear_models::mesh_modes;
 use crate::experiment::run::RunError;
 use crate::experiment::runner::Runner;
-use crate::experiment::small_signals::cycle::{MeshPhase, running};
-use crate::experiment::small_signals::grounds::grounds;
-use crate::experiment::small_signals::response::{GroupVibration, Response, spectrum};
-use crate::experiment::small_signals::{LoadedStateError, MOST, has_loads, mesh_modes, settled};
+use crate::small_signals::cycle::{MeshPhase, running};
+use crate::small_signals::grounds::grounds;
+use crate::small_signals::response::{GroupVibration, Response, spectrum};
+use crate::small_signals::{LoadedStateError, MOST, has_loads, settled};
 use gearbench_integrators::system::SecondOrderSystem;
 use gearbench_models::error::{BuildError, Fault};
 use gearbench_models::gear::table::Model;

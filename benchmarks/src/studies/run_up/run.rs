@@ -9,7 +9,7 @@ use crate::experiment::configuration::Configuration;
 use crate::experiment::error::{ModelRefusal, StudyError};
 use crate::experiment::run::{Job, RunError, run_with_observer};
 use crate::experiment::runner::Runner;
-use crate::experiment::small_signals::assemble;
+use crate::small_signals::assemble;
 use crate::studies::modes::{ModesSettings, vibrations};
 use gearbench_integrators::SecondOrderSystem as _;
 use gearbench_models::scene::Scene;

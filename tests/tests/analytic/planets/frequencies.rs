@@ -299,8 +299,8 @@ fn kahramans_planetary_train() {
 /// torque is left over that accelerates both, and the mesh then bears what the inertia of the ring takes.
 #[test]
 fn a_ring_and_its_pinion_swing_against_each_other() {
-    use gearbench::experiment::small_signals::loaded;
     use gearbench::scene_file::{Origin, SceneFile};
+    use gearbench::small_signals::loaded;
     let (stiffness, width) = (2e10, 0.02);
     for more in [0.0, 12.0] {
         let text = format!(

@@ -6,8 +6,8 @@
 //! 21/39/99 teeth with planets at whole numbers of 120ths of a turn.
 
 use gearbench::context::Context;
-use gearbench::experiment::small_signals::loaded;
 use gearbench::scene_file::{Origin, SceneFile};
+use gearbench::small_signals::loaded;
 use gearbench_models::scene::{ContactForce, Scene};
 use std::f64::consts::TAU;
 use std::fmt::Write as _;

@@ -3,7 +3,7 @@
 use super::LimitError;
 use super::end_dampers::{acts_at_ends, known_at_ends, predicted, speeds};
 use super::linear::{Dense, FastestMode, Linear};
-use crate::experiment::small_signals::assemble;
+use crate::small_signals::assemble;
 use gearbench_integrators::linear_stability::Impulses;
 use gearbench_integrators::table::{DOPRI5, HHT_ALPHA, TRIGONOMETRIC};
 use gearbench_integrators::{

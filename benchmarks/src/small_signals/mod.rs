@@ -2,7 +2,6 @@
 //!
 //! | module | owns |
 //! |---|---|
-//! | `choice` | selection of models with dense matrices |
 //! | [`cycle`] | meshes over their cycles in quasi-static motion |
 //! | `damping` | damping ratios and damped frequencies of modes |
 //! | `equilibrium` | the loaded state |
@@ -13,7 +12,6 @@
 //! | `admissible_motions` | admissible motions and their modes |
 
 mod admissible_motions;
-mod choice;
 pub mod cycle;
 mod damping;
 mod equilibrium;
@@ -23,9 +21,7 @@ pub mod motions;
 pub mod response;
 
 pub use admissible_motions::{AdmissibleMotions, Modes};
-pub(crate) use choice::selected_models;
 pub use equilibrium::{LoadedState, loaded};
-pub use mesh_mode::mesh_modes;
 
 use gearbench_integrators::system::SecondOrderSystem;
 use gearbench_models::error::{BuildError, MeshPart};

@@ -7,10 +7,6 @@
 use super::cycle::{PHASES, Resonance, mesh_mode_at, running};
 use super::motions::energies;
 use super::{LoadedState, LoadedStateError, has_loads, loaded, settled};
-use crate::experiment::configuration::Configuration;
-use crate::experiment::journal::JournalError;
-use crate::experiment::key::Key;
-use crate::experiment::runner::Runner;
 use gearbench_integrators::system::SecondOrderSystem;
 use gearbench_models::gear::table::{Model, properties_of};
 use gearbench_models::scene::{Scene, StrainIn};
@@ -22,7 +18,7 @@ use std::f64::consts::TAU;
 pub const FEW: usize = 300;
 /// Largest number of coordinates for which other studies compute the resonance over the mesh cycle: each phase takes a
 /// decomposition.
-const FEW_OVER_CYCLE: usize = 150;
+pub const FEW_OVER_CYCLE: usize = 150;
 
 /// The mesh mode of a loaded scene in its equilibrium.
 pub fn mesh_mode_of(
@@ -125,30 +121,4 @@ pub fn resonance(scene: &mut Scene, spec: &SceneSpec, most: usize) -> Option<Res
     }
     let running = running(scene, spec, PHASES).ok()?;
     running.cycles.first()?.resonance()
-}
-
-/// The mesh modes of all models of a study whose scene has loads. A mode that cannot be computed gives a row with the
-/// reason.
-///
-/// # Errors
-/// [`JournalError`].
-pub fn mesh_modes<'e>(
-    entries: impl IntoIterator<Item = &'e Configuration>,
-    models: &[Model],
-    runner: &Runner<'_>,
-) -> Result<Vec<MeshMode>, JournalError> {
-    let mut all = Vec::new();
-    for entry in entries {
-        if runner.is_interrupted() {
-            break;
-        }
-        let key = Key::new("mesh mode").and_scene(&entry.scene, &entry.modelling);
-        let label = entry.model_label();
-        let of = (&entry.scene, &entry.modelling);
-        let found = runner.piece(key, || {
-            Ok::<_, JournalError>(mesh_mode(&label, of, models, FEW_OVER_CYCLE))
-        })?;
-        all.extend(found);
-    }
-    Ok(all)
 }

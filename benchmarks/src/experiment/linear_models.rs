@@ -1,8 +1,15 @@
-//! Selection of the models of a scene for dense matrices: all but full finite elements.
+//! Models of a scene for analyses with dense matrices: all but full finite elements; and their mesh modes.
 
-use crate::experiment::run::LEFT_OUT;
-use crate::experiment::settings::settings;
+use super::configuration::Configuration;
+use super::journal::JournalError;
+use super::key::Key;
+use super::run::LEFT_OUT;
+use super::runner::Runner;
+use super::settings::settings;
 use crate::scene_file::{ModelChoice, SceneError, SceneFile};
+use crate::small_signals::mesh_mode::{FEW_OVER_CYCLE, mesh_mode};
+use gearbench_models::gear::table::Model;
+use gearbench_reports::record::MeshMode;
 
 /// The advice for full finite elements.
 const TAKE_ELASTIC: &str =
@@ -48,4 +55,30 @@ pub fn selected_models<'s>(
         (LEFT_OUT.to_owned(), why)
     }));
     Ok((taken, told))
+}
+
+/// The mesh modes of all models of a study whose scene has loads. A mode that cannot be computed gives a row with the
+/// reason.
+///
+/// # Errors
+/// [`JournalError`].
+pub fn mesh_modes<'e>(
+    entries: impl IntoIterator<Item = &'e Configuration>,
+    models: &[Model],
+    runner: &Runner<'_>,
+) -> Result<Vec<MeshMode>, JournalError> {
+    let mut all = Vec::new();
+    for entry in entries {
+        if runner.is_interrupted() {
+            break;
+        }
+        let key = Key::new("mesh mode").and_scene(&entry.scene, &entry.modelling);
+        let label = entry.model_label();
+        let of = (&entry.scene, &entry.modelling);
+        let found = runner.piece(key, || {
+            Ok::<_, JournalError>(mesh_mode(&label, of, models, FEW_OVER_CYCLE))
+        })?;
+        all.extend(found);
+    }
+    Ok(all)
 }
