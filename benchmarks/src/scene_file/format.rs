@@ -45,6 +45,7 @@ pub use super::contact::{
     ContactTable, DamperTable, DampingTable, FilmTable, FrictionTable, RatioTable, RestitutionTable,
 };
 pub use super::contact_points::{LawWord, LocalContact, PointTable, PointsChoice};
+pub use super::damping::SharedDampingTable;
 pub use super::deviations::{DeviationTable, FlankTable};
 pub use super::gear::{GearTable, RackTable, ReliefTable, ToothedTable};
 pub use super::material::{MaterialChoice, MaterialTable};
@@ -216,7 +217,7 @@ fn with_headers(key: &str, value: Value) -> Item {
             named(sets, &|labels| with_headers("gears", labels))
         }
         ("study", own @ Value::InlineTable(_)) => fields(own),
-        ("reference" | "tolerance", value) => Item::Value(value),
+        ("reference" | "tolerance" | "damping", value) => Item::Value(value),
         (_, Value::InlineTable(all)) => named(all, &fields),
         (_, Value::Array(list)) => {
             let tables = list

@@ -9,6 +9,7 @@
 //! | `gear`, `geometry`, `profile`, `mesh` | `[gears.NAME]`, its loads and mount, `[[meshes]]` |
 //! | `model`, `calibration_choice`, [`calibration`] | `[[models]]`, fitted constants |
 //! | `contact`, `contact_points`, `stiffness` | `contact = { .. }` |
+//! | `damping` | `damping`, which all models share |
 //! | `study_plan` | `[study]`, `tolerance`; keys of a single study belong to its module |
 //! | `plausibility`, `typical_ranges` | refusal of impossible values, warnings on unusual ones |
 //! | `motion` | warnings on initial speeds and loads that do not suit the train |
@@ -26,6 +27,7 @@ mod calibration_choice;
 pub(crate) mod changes;
 mod contact;
 mod contact_points;
+mod damping;
 mod deviations;
 mod error;
 pub mod format;
@@ -67,6 +69,7 @@ pub use shipped::{SHIPPED, ShippedScene};
 pub use study_plan::Study;
 
 use crate::context::Context;
+use crate::small_signals::stated_damping::StatedDamping;
 use gearbench_integrators::Scheme;
 use gearbench_models::error::Fault;
 use gearbench_models::gear::properties::Properties;
@@ -110,6 +113,9 @@ keys! {
         meshes: Vec<mesh::MeshTable>,
         /// tables [[shafts]]: shafts with several gears, or with gears and bodies without teeth
         shafts: Option<Vec<shaft::ShaftTable>>,
+        /// damping of the mesh mode that all models share, { mesh_ratio }, { loss_factor } or { rayleigh }; left out, each
+        /// model has its own
+        damping: Option<damping::SharedDampingTable>,
         /// tables [[models]], the configurations to compare
         models: Vec<model::ModelTable>,
         /// tables [calibration.NAME.LABEL] of fitted constants, as `gearbench identify` writes them next to the scene
@@ -203,6 +209,8 @@ pub struct SceneFile {
     pub tolerance: Option<Tolerance>,
     /// Gears, shafts and meshes.
     pub spec: SceneSpec,
+    /// Damping that all models share.
+    pub damping: Option<StatedDamping>,
     /// Models to compare, at least one.
     pub models: Vec<ModelChoice>,
     /// Defaults of studies of this scene.
@@ -308,7 +316,11 @@ impl SceneFile {
             folder,
             calibrations: &find,
             calibrated,
+            damped: keys.damping.is_some(),
         };
+        let damping = keys.damping.as_ref();
+        let damping = damping.map(|keys| damping::damping(keys, &root.key("damping")));
+        let damping = damping.transpose()?;
         let mut models = model::models(keys.models, &parts, &root.key("models"))?;
         if keys.study.integrators.is_none() {
             let gears: Vec<&GearSpec> = drafts.iter().map(|d| &d.spec).collect();
@@ -355,6 +367,7 @@ impl SceneFile {
             references,
             tolerance,
             spec,
+            damping,
             models,
             study,
             flank_files: drafts.into_iter().flat_map(|draft| draft.files).collect(),
@@ -401,11 +414,17 @@ impl SceneFile {
             let choice = &self.models[place];
             begins(done, &choice.label);
             let incomplete = choice.calibration.is_some() && !calibrated;
-            match Scene::build(
-                &self.spec_for(choice),
-                &choice.modelling,
-                &self.context.models,
-            ) {
+            let damped = self.damp(place);
+            let choice = &self.models[place];
+            let built = damped.and_then(|more| {
+                odd.extend(more);
+                Scene::build(
+                    &self.spec_for(choice),
+                    &choice.modelling,
+                    &self.context.models,
+                )
+            });
+            match built {
                 Ok(mut scene) => {
                     odd.extend(self.without_effect(choice, &scene)?);
                     odd.extend(self.outside_formulas(choice));

@@ -2,6 +2,7 @@
 
 use super::calibration_choice::{CalibrationChoice, CalibrationUse, FindCalibration, calibration};
 use super::contact::{ContactTable, contact};
+use super::damping;
 use super::error::SceneError;
 use super::gear::GearDraft;
 use super::reading::keys::keys;
@@ -170,6 +171,8 @@ pub struct ModelChoice {
     pub model: String,
     /// Models of all gears and contacts of all meshes, with the calibration applied.
     pub modelling: Modelling,
+    /// True once the model has the damping that the scene states for all.
+    pub is_damped: bool,
     /// The calibration, if the model uses one.
     pub calibration: Option<CalibrationUse>,
     /// Gap at the start that the model sets [m].
@@ -211,6 +214,8 @@ pub(super) struct Context<'a> {
     pub(super) calibrations: &'a FindCalibration<'a>,
     /// True if models use the constants of their calibration.
     pub(super) calibrated: bool,
+    /// True if the scene states a damping for all models.
+    pub(super) damped: bool,
 }
 
 /// Checks all models of a scene.
@@ -222,7 +227,11 @@ pub(super) fn models(
     let mut read: Vec<ModelChoice> = Vec::new();
     for (i, keys) in list.into_iter().enumerate() {
         let at = all.member(i);
+        let own = keys.clone();
         let choice = model(keys, context, &at)?;
+        if context.damped {
+            damping::check_once(&own, &choice, &at)?;
+        }
         if let Some(other) = read.iter().position(|c| c.label == choice.label) {
             let names = ["label", "model"];
             return Err(at.first(&names).against(
@@ -297,6 +306,7 @@ fn model(
         label,
         model,
         modelling,
+        is_damped: false,
         calibration,
         own_gap: keys.gap_m,
         integrators: integrators.transpose()?,

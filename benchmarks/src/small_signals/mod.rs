@@ -9,6 +9,7 @@
 //! | [`mesh_mode`] | the mode that strains the meshes most, and its damping |
 //! | [`motions`] | natural modes, their damping and energies |
 //! | [`response`] | frequency response to tooth meshing |
+//! | [`stated_damping`] | dampers of a model for a stated damping of its mesh mode |
 //! | `admissible_motions` | admissible motions and their modes |
 
 mod admissible_motions;
@@ -19,6 +20,7 @@ pub mod grounds;
 pub mod mesh_mode;
 pub mod motions;
 pub mod response;
+pub mod stated_damping;
 
 pub use admissible_motions::{AdmissibleMotions, Modes};
 pub use equilibrium::{LoadedState, loaded};

@@ -2,7 +2,7 @@
 
 use super::super::SceneTable;
 use super::super::{
-    calibration_choice, contact, contact_points, deviations, gear, material, mesh, model,
+    calibration_choice, contact, contact_points, damping, deviations, gear, material, mesh, model,
     modifications, out_of_plane, profile, references, shaft, stiffness, study_plan,
 };
 use crate::studies::{check, precision, stability, sweep};
@@ -53,6 +53,7 @@ pub(crate) fn tables() -> impl Iterator<Item = &'static Table> {
         &references::columns::UnitTable::TABLE,
         &references::conditions::GearConditionTable::TABLE,
         &calibration_choice::CalibrationTable::TABLE,
+        &damping::SharedDampingTable::TABLE,
         &contact::ContactTable::TABLE,
         &contact_points::PointTable::TABLE,
         &contact::DamperTable::TABLE,

@@ -9,7 +9,7 @@ use gearbench_models::spec::SceneSpec;
 use toml_edit::{DocumentMut, Item, TableLike, TomlError};
 
 /// Tables and keys that a choice replaces. The tolerance may refer to a model that is gone.
-const REPLACED: [&str; 3] = ["models", "study", "tolerance"];
+const REPLACED: [&str; 4] = ["damping", "models", "study", "tolerance"];
 
 /// Returns the text of a scene file with the chosen model; `remarks` head it as comments.
 ///

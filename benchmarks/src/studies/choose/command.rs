@@ -22,7 +22,7 @@ use crate::experiment::configuration::Configuration;
 use crate::experiment::linear_models::mesh_modes;
 use crate::experiment::run::RunError;
 use crate::scene_file::references::LoadedReference;
-use crate::scene_file::{self, SceneFile};
+use crate::scene_file::{self, ModelChoice, SceneFile};
 use gearbench_reports::record::MeshMode;
 use gearbench_reports::{Part, ReferenceDistance, Study, Verdict};
 use std::sync::Arc;
@@ -42,6 +42,11 @@ pub fn run(context: &Context, args: &Choose, command: &str) -> Result<CommandRes
             scene.name
         )));
     }
+    let reduced = |m: &&ModelChoice| !scene.properties_of(&m.model).full_order;
+    let labels: Vec<String> = (scene.models.iter().filter(reduced))
+        .map(|m| m.label.clone())
+        .collect();
+    scene.damp_unbuilt(&labels.iter().map(String::as_str).collect::<Vec<_>>())?;
     let mut folder = StudyFolder::of(&args.run.output, &scene, Study::Choose.as_str())?;
     let problem = Problem {
         runner: Arc::new(folder.runner(&silent).within(args.budget.budget())),

@@ -14,17 +14,15 @@ use super::detail::Details;
 use super::plan::elastic;
 use super::problem::Problem;
 use crate::small_signals::mesh_mode::{FEW, mesh_mode};
+use crate::small_signals::stated_damping::damper_for;
 use gearbench_models::law::Damping;
 use gearbench_models::spec::Modelling;
 use std::f64::consts::TAU;
 
 /// Modes per gear of the elastic gears whose mesh mode gives the damping.
 const MODES: usize = 50;
-/// Relative error of the ratio of a level, after so many trials at most.
+/// Relative error of the ratio of a level.
 const WITHIN: f64 = 1e-4;
-const TRIALS: usize = 12;
-/// Factor of a damper beyond which it does not damp the mesh mode.
-const MOST: f64 = 1e3;
 /// Coordinates of a hub at most.
 const HUB: usize = 6;
 
@@ -73,21 +71,15 @@ impl MeshModeDamping {
             return;
         };
         let wanted = (self.ratio - without).max(0.0);
-        let mut factor = 1.0;
-        // Nearly linear, but for a damper behind the springs of teeth.
-        for _ in 0..TRIALS {
-            let Some(found) = ratio(factor).map(|r| r - without) else {
-                return;
-            };
-            if (found - wanted).abs() <= WITHIN * self.ratio {
-                break;
-            }
-            factor *= wanted / found;
-            if !(0.0..=MOST).contains(&factor) {
-                return;
-            }
+        let factor = match wanted {
+            0.0 => Some(0.0),
+            _ => damper_for(1.0, (wanted, WITHIN * self.ratio), |factor| {
+                ratio(factor).map(|r| r - without)
+            }),
+        };
+        if let Some(factor) = factor {
+            *modelling = with(factor);
         }
-        *modelling = with(factor);
     }
 }
 

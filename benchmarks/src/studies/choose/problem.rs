@@ -105,7 +105,7 @@ impl Problem {
                 modelling: m.modelling.clone(),
             })
             .collect();
-        let flexible = elastic.map_or_else(
+        let mut flexible = elastic.map_or_else(
             || generated(&file.spec, own.first().map(|o| &o.modelling)),
             |m| ElasticSettings {
                 gears: (m.modelling.gears.iter())
@@ -125,6 +125,16 @@ impl Problem {
                 detail: Detail::Given,
             },
         );
+        if let (Some(stated), None) = (file.damping, elastic) {
+            let mut modelling = super::plan::elastic(&flexible, ElasticParameters::MODES, None);
+            // Without a mesh mode the levels are compared undamped, as the finding on damping says.
+            if (stated.give(&file.spec, &mut modelling, &file.context.models)).is_ok() {
+                let damped = modelling.gears.iter().filter_map(ElasticParameters::of);
+                for (gear, damped) in flexible.gears.iter_mut().zip(damped) {
+                    gear.rayleigh = damped.rayleigh;
+                }
+            }
+        }
         Problem {
             runner: Arc::new(Runner::of(file.context.clone())),
             runs: 1,

@@ -59,6 +59,12 @@ pub fn run(context: &Context, args: &Identify, command: &str) -> Result<CommandR
             scene.name
         )));
     }
+    let labels: Vec<String> = fitted.iter().map(|c| c.label.clone()).collect();
+    let labels: Vec<&str> = labels.iter().map(String::as_str).collect();
+    if args.to.to_history() {
+        scene.damp_unbuilt(&labels)?;
+    }
+    let fitted: Vec<&ModelChoice> = labels.iter().filter_map(|l| scene.model(l)).collect();
     let mut folder = StudyFolder::of(&args.output, &scene, Study::Identify.as_str())?;
     let runner = folder.runner(&silent);
     let mut found: Vec<(&ModelChoice, Identification)> = Vec::new();

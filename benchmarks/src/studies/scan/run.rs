@@ -116,7 +116,13 @@ fn runs(plan: &Plan<'_>, runner: &Runner<'_>, cell: u64) -> Option<Vec<CellRun>>
         let run = CellRun::without_result(status, message, plan.outputs.len());
         Some(vec![run; plan.runs.len()])
     };
-    let scene = match runner.attempt(|| plan.scene_of(cell)) {
+    let labels: Vec<&str> = plan.runs.iter().map(|(label, _)| label.as_str()).collect();
+    let damped = || {
+        let mut scene = plan.scene_of(cell)?;
+        scene.damp_unbuilt(&labels)?;
+        Ok::<SceneFile, SceneError>(scene)
+    };
+    let scene = match runner.attempt(damped) {
         Ok(scene) => scene,
         Err(WorkError::Interrupted) => return None,
         Err(WorkError::Error(e)) => return without_scene(Status::Refused, e.to_text()),

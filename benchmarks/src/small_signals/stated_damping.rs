@@ -1,0 +1,200 @@
+//! Damping that a scene states once for all of its models: the ratio of the mesh mode.
+//!
+//! Each model gets dampers proportional to its stiffness, with one retardation time `beta` for all of its parts:
+//!
+//! | part | damper |
+//! |---|---|
+//! | elastic gears and full finite elements, with the contact of their flanks | `beta K`, by Rayleigh's second constant |
+//! | contact between rigid gears and movable teeth | `beta k` at the load, by its damping ratio there |
+//! | springs of movable teeth | `beta k`, unless the model gives dampers |
+//!
+//! If nothing else damps, the mesh mode has the ratio `beta omega / 2`; dampers of bearings, hubs and modes change it, and
+//! shafts add stiffness without damping. So `beta` is found by iteration on the mesh mode about the loaded state
+//! ([`super::mesh_mode`]). Full finite elements have too many coordinates for it: elastic gears of the same meshes, with
+//! few modes and the static compliance of the others, take their place, whose mesh mode is the same.
+
+use super::mesh_mode::{FEW, mesh_mode};
+use gearbench_models::error::BuildError;
+use gearbench_models::gear::movable_teeth::{MovableTeethParameters, PerTooth};
+use gearbench_models::gear::parameters::ModelParameters;
+use gearbench_models::gear::table::Model;
+use gearbench_models::law::Damping;
+use gearbench_models::spec::{ModelSpec, Modelling, SceneSpec};
+use gearbench_reference::full_order::FullOrderParameters;
+use gearbench_reference::reduction::ElasticParameters;
+use std::f64::consts::TAU;
+
+/// Modes per gear of the elastic gears that are analysed.
+const MODES: usize = 50;
+/// Coordinates of a hub at most.
+const HUB: usize = 6;
+/// Relative error of the ratio, after so many trials at most.
+const WITHIN: f64 = 1e-4;
+const TRIALS: usize = 12;
+/// Factor of the first value beyond which a damper does not damp the mesh mode.
+const MOST: f64 = 1e3;
+/// Excess of other damping over the stated ratio that is remarked.
+const REMARKED: f64 = 1.03;
+
+/// Damping of the mesh mode as a scene states it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum StatedDamping {
+    /// Ratio to critical damping [-].
+    MeshRatio(f64),
+    /// Loss factor of the material [-]: twice the ratio.
+    LossFactor(f64),
+    /// Rayleigh's constants `alpha` [1/s] and `beta` [s].
+    Rayleigh([f64; 2]),
+}
+
+impl StatedDamping {
+    /// Returns the damping ratio of a mode with an angular frequency [rad/s].
+    pub fn ratio_at(self, omega: f64) -> f64 {
+        match self {
+            StatedDamping::MeshRatio(ratio) => ratio,
+            StatedDamping::LossFactor(factor) => 0.5 * factor,
+            StatedDamping::Rayleigh([alpha, beta]) => 0.5 * (alpha / omega + beta * omega),
+        }
+    }
+
+    /// Sets the dampers of a model so that its mesh mode has the stated damping. Returns the ratio of other dampers where
+    /// these alone give more.
+    ///
+    /// # Errors
+    /// [`BuildError`] of a model whose mesh mode is not known or does not depend on the dampers.
+    pub fn give(
+        self,
+        scene: &SceneSpec,
+        modelling: &mut Modelling,
+        models: &[Model],
+    ) -> Result<Option<f64>, BuildError> {
+        if let (StatedDamping::Rayleigh(both), true) = (self, is_elastic(&modelling.gears)) {
+            *modelling = with_rayleigh(modelling, both);
+            return Ok(None);
+        }
+        let analysed = analysed(modelling);
+        let mode = |beta: f64, omega: f64| {
+            let damped = with_dampers(&analysed, scene, beta, omega);
+            let refused = |why: &str| {
+                BuildError::scene((
+                    format!("the damping of the scene needs the mesh mode of the model: {why}"),
+                    "give each model its own damping in place of `damping` of the scene",
+                ))
+                .of_model()
+            };
+            let found = mesh_mode("", (scene, &damped), models, 0)
+                .ok_or_else(|| refused("no load acts in the scene"))?;
+            match (found.frequency_hz, found.damping_ratio) {
+                (Some(f), Some(ratio)) => Ok((TAU * f, ratio)),
+                _ => Err(refused(&found.message)),
+            }
+        };
+        let (omega, without) = mode(0.0, 1.0)?;
+        let ratio = self.ratio_at(omega);
+        let wanted = ratio - without;
+        if wanted <= WITHIN * ratio {
+            *modelling = with_dampers(modelling, scene, 0.0, omega);
+            return Ok(Some(without).filter(|w| *w > REMARKED * ratio));
+        }
+        let of_dampers = |beta: f64| Some(mode(beta, omega).ok()?.1 - without);
+        let first = 2.0 * wanted / omega;
+        let found = damper_for(first, (wanted, WITHIN * ratio), of_dampers).ok_or_else(|| {
+            BuildError::scene((
+                "no damping of teeth and contacts gives its mesh mode the damping of the scene",
+                "state less, or give the model its own damping",
+            ))
+            .of_model()
+        })?;
+        *modelling = with_dampers(modelling, scene, found, omega);
+        Ok(None)
+    }
+}
+
+/// Returns the value of a damper, first tried at `first`, with which the mesh mode has the damping that is wanted, within
+/// so much; `None` if there is none. Damping is nearly proportional to the damper, but for one behind other springs.
+pub fn damper_for(
+    first: f64,
+    (wanted, within): (f64, f64),
+    damping: impl Fn(f64) -> Option<f64>,
+) -> Option<f64> {
+    let mut value = first;
+    for _ in 0..TRIALS {
+        let found = damping(value)?;
+        if (found - wanted).abs() <= within {
+            return Some(value);
+        }
+        value *= wanted / found;
+        if !(value.is_finite() && value > 0.0 && value <= MOST * first) {
+            break;
+        }
+    }
+    None
+}
+
+/// True if all gears are made of finite elements.
+fn is_elastic(gears: &[ModelSpec]) -> bool {
+    gears.iter().all(of_elements)
+}
+
+/// True for a gear made of finite elements, reduced or not.
+pub fn of_elements(gear: &ModelSpec) -> bool {
+    [ElasticParameters::MODEL, FullOrderParameters::MODEL].contains(&gear.id.as_str())
+}
+
+/// Returns a model with few coordinates that has the same mesh mode.
+fn analysed(modelling: &Modelling) -> Modelling {
+    let most = MODES.min((FEW / modelling.gears.len().max(1)).saturating_sub(HUB));
+    let few = |gear: &ModelSpec| {
+        if let Some(full) = FullOrderParameters::of(gear) {
+            let reduced = ElasticParameters {
+                modes: Some(most),
+                mesh: full.mesh,
+                ..ElasticParameters::default()
+            };
+            return reduced.spec();
+        }
+        let Some(mut reduced) = ElasticParameters::of(gear) else {
+            return gear.clone();
+        };
+        let modes = reduced.most_modes().map_or(most, |n| n.min(most));
+        reduced.with_modes(modes);
+        reduced.spec()
+    };
+    Modelling {
+        gears: modelling.gears.iter().map(few).collect(),
+        contacts: modelling.contacts.clone(),
+    }
+}
+
+/// Returns a model with Rayleigh's constants for all of its gears of finite elements.
+fn with_rayleigh(modelling: &Modelling, both: [f64; 2]) -> Modelling {
+    let given = Some(both).filter(|both| *both != [0.0; 2]);
+    let mut damped = modelling.clone();
+    ElasticParameters::change(&mut damped, |p| p.rayleigh = given);
+    FullOrderParameters::change(&mut damped, |p| p.rayleigh = given);
+    damped
+}
+
+/// Returns a model with dampers of a retardation time `beta` [s]; `omega` is the frequency of its mesh mode [rad/s].
+fn with_dampers(modelling: &Modelling, scene: &SceneSpec, beta: f64, omega: f64) -> Modelling {
+    let mut damped = with_rayleigh(modelling, [0.0, beta]);
+    for (contact, mesh) in damped.contacts.iter_mut().zip(&scene.meshes) {
+        if !mesh.gears.iter().any(|g| of_elements(&modelling.gears[*g])) {
+            contact.damping = match beta {
+                0.0 => Damping::None,
+                _ => Damping::RatioAtLoad {
+                    ratio: 0.5 * beta * omega,
+                },
+            };
+        }
+    }
+    MovableTeethParameters::change(&mut damped, |p| {
+        if p.tooth_damping_ns_per_m.is_none() && beta > 0.0 {
+            p.tooth_damping_ns_per_m = (p.tooth_stiffness_n_per_m.as_ref()).map(|k| match k {
+                PerTooth::All(k) => PerTooth::All(beta * k),
+                PerTooth::Each(k) => PerTooth::Each(k.iter().map(|k| beta * k).collect()),
+            });
+        }
+    });
+    damped
+}
