@@ -171,13 +171,6 @@ pub trait Dense {
     fn order(&self) -> u32 {
         u32::MAX
     }
-
-    /// Computes the energy per unit mass [m^2/s^2] of each coordinate that linear dampers dissipated in the step
-    /// beyond the trapezoidal rule on the powers at its ends. Returns false where the method has no better value than
-    /// that rule.
-    fn damping_beyond_trapezoid(&self, _beyond: &mut [f64]) -> bool {
-        false
-    }
 }
 
 /// An accepted step, before events switch or commit the discrete state.
@@ -333,11 +326,6 @@ pub trait OneStep {
     /// ends, and its derivative.
     fn interpolate(&self, from: &State, to: &State, theta: f64, q: &mut [f64], v: &mut [f64]) {
         crate::interpolation::hermite(from, to, theta, q, v);
-    }
-
-    /// See [`Dense::damping_beyond_trapezoid`], for the last step.
-    fn damping_beyond_trapezoid(&self, _from: &State, _to: &State, _beyond: &mut [f64]) -> bool {
-        false
     }
 }
 

@@ -217,10 +217,9 @@ pub trait ModalSplit {
 
     /// Receives the compliance per unit of acceleration [s^2] by which the quasi-static response of each oscillator
     /// under the method falls short of `1/omega^2`; zeros for methods that resolve the oscillators. A system that
-    /// solves for a local compliance can add it there as `B diag(lag) B^T`. A damped oscillator at rest under impulses
-    /// has a velocity in the middle of each: `velocity` is that per unit of acceleration [s], for a system whose
-    /// forces see velocities. Called at the start of a run, after [`Events::begin`], which resets it.
-    fn prepare(&mut self, _lag: &[f64], _velocity: &[f64]) {}
+    /// solves for a local compliance can add it there as `B diag(lag) B^T`. Called at the start of a run, after
+    /// [`Events::begin`], which resets it.
+    fn prepare(&mut self, _lag: &[f64]) {}
 
     /// Returns true for a state of static equilibrium from which the system starts.
     fn starts_balanced(&self, _s: &State) -> bool {

@@ -152,8 +152,11 @@ pub(crate) struct Drift {
     qg: Vec<f64>,
     /// Filter factor of each coordinate; empty where all are one.
     pub(crate) filter: Vec<f64>,
-    /// Squares of the filter factors.
-    pub(crate) squares: Vec<f64>,
+    /// Velocity in the middle of impulses of unit acceleration at which an oscillator rests [s]; empty where all are zero.
+    at_rest: Vec<f64>,
+    /// Factor of the last half impulse on the velocity that the remainder sees: filter squared, less the velocity at rest;
+    /// empty where all are one.
+    pub(crate) ends: Vec<f64>,
 }
 
 impl Drift {
@@ -184,28 +187,70 @@ impl Drift {
             let seen = |w: &f64| if w * h > from { sinc(w * h) } else { 1.0 };
             self.filter.extend(omega.iter().map(seen));
         }
-        self.squares.clear();
-        self.squares.extend(self.filter.iter().map(|f| f * f));
+        self.at_rest.clear();
+        if zeta.iter().any(|z| *z > 0.0) {
+            let at_rest = |(i, z): (usize, &f64)| match *z > 0.0 {
+                true => self.rest_under_kicks(i)[1],
+                false => 0.0,
+            };
+            let at_rest: Vec<f64> = zeta.iter().enumerate().map(at_rest).collect();
+            self.at_rest = at_rest;
+        }
+        self.ends.clear();
+        if !(self.filter.is_empty() && self.at_rest.is_empty()) {
+            let filter = |i: usize| self.filter.get(i).copied().unwrap_or(1.0);
+            let of = |i: usize| filter(i).powi(2) * (1.0 - 2.0 * self.at_rest(i) / h);
+            self.ends = (0..n).map(of).collect();
+        }
     }
 
-    /// Moves `(q0, v0 + kick k)` under the load `g` to `(q, v)`.
+    /// Returns the velocity in the middle of impulses of unit acceleration at which oscillator `i` rests [s].
+    #[inline]
+    pub(crate) fn at_rest(&self, i: usize) -> f64 {
+        self.at_rest.get(i).copied().unwrap_or(0.0)
+    }
+
+    /// Moves `(q0, v0)` after the half impulse of an acceleration `k` under the load `g` to `(q, v)`.
     #[inline]
     pub(crate) fn apply(
         &self,
         q0: &[f64],
         v0: &[f64],
-        (kick, k): (f64, &[f64]),
+        k: &[f64],
         g: &[f64],
         (q, v): (&mut [f64], &mut [f64]),
     ) {
         let n = q.len();
+        let kick = 0.5 * self.h;
         let (q0, v0, k, g, v) = (&q0[..n], &v0[..n], &k[..n], &g[..n], &mut v[..n]);
         let (dq, qv, vq) = (&self.dq[..n], &self.qv[..n], &self.vq[..n]);
         let (dv, qg) = (&self.dv[..n], &self.qg[..n]);
+        if self.at_rest.is_empty() {
+            for i in 0..n {
+                let u = v0[i] + kick * k[i];
+                q[i] = q0[i] + (dq[i] * q0[i] + qv[i] * u + qg[i] * g[i]);
+                v[i] = u + (vq[i] * q0[i] + dv[i] * u + qv[i] * g[i]);
+            }
+            return;
+        }
+        let at_rest = &self.at_rest[..n];
         for i in 0..n {
-            let u = v0[i] + kick * k[i];
+            let u = v0[i] + (kick + at_rest[i]) * k[i];
             q[i] = q0[i] + (dq[i] * q0[i] + qv[i] * u + qg[i] * g[i]);
             v[i] = u + (vq[i] * q0[i] + dv[i] * u + qv[i] * g[i]);
+        }
+    }
+
+    /// Adds the last half impulse of an acceleration `k` to velocities.
+    #[inline]
+    pub(crate) fn end(&self, k: &[f64], v: &mut [f64]) {
+        let half = 0.5 * self.h;
+        if self.at_rest.is_empty() {
+            v.iter_mut().zip(k).for_each(|(v, k)| *v += half * k);
+            return;
+        }
+        for ((v, k), at_rest) in v.iter_mut().zip(k).zip(&self.at_rest) {
+            *v += (half - at_rest) * k;
         }
     }
 
@@ -217,6 +262,17 @@ impl Drift {
         let lost = 2.0 + self.dv[i] - self.vq[i] * self.qv[i] / self.dq[i];
         let v = 0.5 * self.h * lost / (2.0 - lost);
         [-self.qv[i] * (v + 0.5 * self.h) / self.dq[i], v]
+    }
+
+    /// Returns the compliance per unit mass [s^2] by which the response of oscillator `i` to impulses falls short of
+    /// `1/omega^2`: see [`quasi_static_of`], and with damping from its displacement at rest.
+    pub(crate) fn quasi_static(&self, i: usize, omega: f64, from: f64) -> f64 {
+        if self.at_rest(i) == 0.0 || omega * self.h < LAG_SERIES {
+            return quasi_static_of(omega, self.h, from);
+        }
+        let filter = self.filter.get(i).copied().unwrap_or(1.0);
+        let at_rest = filter * filter * self.rest_under_kicks(i)[0];
+        (1.0 / (omega * omega) - at_rest).max(0.0)
     }
 
     /// Adds the motion of [`Self::load`] to `(q, v)`.

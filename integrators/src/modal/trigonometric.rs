@@ -1,7 +1,7 @@
 //! The trigonometric method: kick, exact drift, kick.
 //!
 //! ```text
-//! u = v0 + h/2 r0,   (q1, u) <- oscillators and steady loads over h, in closed form,   v1 = u + h/2 r1
+//! u = v0 + (h/2 + d) r0,   (q1, u) <- oscillators and steady loads over h, in closed form,   v1 = u + (h/2 - d) r1
 //! ```
 //!
 //! with `r` the remainder of the acceleration without the steady loads ([`ModalSplit`]): one evaluation per step. It is
@@ -15,6 +15,11 @@
 //! that are taken implicitly (the kicks at both sides of an instant are then the implicit midpoint rule, a contraction),
 //! and away from the
 //! resonances `omega h = pi, 2 pi, ...` of oscillators that it excites ([`resonance`](super::resonance)).
+//!
+//! **Damped oscillators** lose part of each half impulse within the step, so that one that rests under a steady force has
+//! the velocity `d r` in the middle of its impulses. The velocities of the method are those without it, which vanish at
+//! rest: forces that depend on velocity, outputs and losses see these. `d` is of second order in the step, and zero
+//! without damping.
 //!
 //! **Quasi-static correction.** Impulses of a sustained force move an oscillator by `h/(2 omega) cot(omega h/2)` per
 //! unit instead of `1/omega^2`: too little by `h^2/12` for slow ones, by a third at the safe limit. At fixed steps the
@@ -39,7 +44,7 @@
 //! `h/2 |r1 - r0|`: of second order like the error where a contact opens or closes within the step, and larger than
 //! the error, which is of third order, elsewhere. The global error then follows the tolerance with slope one.
 
-use super::propagator::{Drift, Tables, coefficients, quasi_static_of};
+use super::propagator::{Drift, Tables, coefficients};
 use super::resonance::{Filter, safe_step};
 use crate::equilibrium::shift;
 use crate::error::StepError;
@@ -106,10 +111,6 @@ pub struct Trigonometric {
     /// Time until which no contact can close.
     free_until: f64,
     query_interval: QueryInterval,
-    /// Quasi-static correction of each oscillator at a fixed step, and its velocity at rest under impulses, per unit of
-    /// acceleration.
-    lag: Vec<f64>,
-    at_rest: Vec<f64>,
     /// Velocities at the end of a step before its last half impulse.
     predicted: Vec<f64>,
     /// Filtered coordinates and velocities for the evaluation of the remainder.
@@ -143,6 +144,7 @@ impl Trigonometric {
         let n = kick.a.len();
         work.force_evaluations += 1;
         let drift = table.map(|table| self.tables.get(table));
+        let ends: &[f64] = drift.map_or(&[], |d| &d.ends);
         let drift = drift.filter(|d| !d.filter.is_empty());
         let filtered = |x: &[f64], into: &mut Vec<f64>| {
             let Some(d) = drift else { return };
@@ -166,7 +168,7 @@ impl Trigonometric {
                     time,
                     before: drift.map_or(before, |_| &self.before),
                     steady: &self.steady,
-                    filter: drift.map_or(&[], |d| &d.squares),
+                    filter: ends,
                 };
                 split.remainder_after(seen, &half, &mut kick.a);
             }
@@ -217,8 +219,6 @@ impl OneStep for Trigonometric {
             &mut self.omega,
             &mut self.zeta,
             &mut self.steady,
-            &mut self.lag,
-            &mut self.at_rest,
             &mut self.predicted,
             &mut self.q,
             &mut self.v,
@@ -243,13 +243,9 @@ impl OneStep for Trigonometric {
             let mut drift = Drift::default();
             drift.fill(&self.omega, &self.zeta, h, self.filter_from);
             for (i, &w) in self.omega.iter().enumerate() {
-                self.lag[i] = quasi_static_of(w, h, self.filter_from);
-                self.at_rest[i] = match self.zeta[i] {
-                    0.0 => 0.0,
-                    _ => drift.squares.get(i).unwrap_or(&1.0) * drift.rest_under_kicks(i)[1],
-                };
+                self.predicted[i] = drift.quasi_static(i, w, self.filter_from);
             }
-            split.prepare(&self.lag, &self.at_rest);
+            split.prepare(&self.predicted);
         }
         self.longest = safe_step(&self.omega);
         self.tables.clear();
@@ -279,28 +275,23 @@ impl OneStep for Trigonometric {
         if split.steady(s.at(), &mut self.steady) <= s.t {
             self.steady.fill(0.0);
         }
-        split.prepare(&x, &x);
+        split.prepare(&x);
         split.remainder(s.at(), &mut r);
-        split.prepare(&self.lag, &self.at_rest);
+        split.prepare(&self.predicted);
         let at_start = r.clone();
         let table = (self.tables).find(&self.omega, &self.zeta, s.t, h, self.filter_from);
         let drift = self.tables.get(table);
         let swings: Vec<usize> = (0..n).filter(|i| self.omega[*i] > 0.0).collect();
         let filter = |i: usize| drift.filter.get(i).copied().unwrap_or(1.0);
-        let start = s.clone();
         let (omega, steady) = (&self.omega, &self.steady);
         let rest = |i: usize, r: f64| {
-            let [q, v] = drift.rest_under_kicks(i);
             let kick = filter(i) * (r - steady[i]);
-            [
-                steady[i] / omega[i].powi(2) + kick * q,
-                start.v[i] + kick * v,
-            ]
+            steady[i] / omega[i].powi(2) + kick * drift.rest_under_kicks(i)[0]
         };
         // The state that the remainder depends on.
         let mut seen = s.clone();
         for &i in &swings {
-            [seen.q[i], seen.v[i]] = rest(i, r[i]).map(|x| filter(i) * x);
+            seen.q[i] = filter(i) * rest(i, r[i]);
         }
         let scales = Tolerance::of(sys, 0.0).q;
         // A free train has a rigid motion: a little mass is added to the stiffness.
@@ -313,9 +304,7 @@ impl OneStep for Trigonometric {
             let mut lack = r.clone();
             lack.iter_mut().zip(&at_start).for_each(|(r, is)| *r -= is);
             for &i in &swings {
-                let [q, v] = rest(i, r[i]).map(|x| filter(i) * x);
-                lack[i] = omega[i].powi(2) * (q - seen.q[i]);
-                seen.v[i] = v;
+                lack[i] = omega[i].powi(2) * (filter(i) * rest(i, r[i]) - seen.q[i]);
             }
             sys.apply_mass(seen.at(), &lack, &mut x);
             if mass == 0.0 {
@@ -342,7 +331,7 @@ impl OneStep for Trigonometric {
             if size <= AT_REST || (size <= ROUNDING && size > 0.5 * smallest) {
                 s.q.copy_from_slice(&seen.q);
                 for &i in &swings {
-                    [s.q[i], s.v[i]] = rest(i, r[i]);
+                    s.q[i] = rest(i, r[i]);
                 }
                 return;
             }
@@ -413,7 +402,7 @@ impl OneStep for Trigonometric {
         self.tables.get(table).apply(
             &from.q,
             &from.v,
-            (half, &self.ends[0].a),
+            &self.ends[0].a,
             &self.steady,
             (&mut to.q[..n], &mut to.v[..n]),
         );
@@ -427,9 +416,7 @@ impl OneStep for Trigonometric {
         let mut predicted = std::mem::take(&mut self.predicted);
         predicted.copy_from_slice(&to.v);
         if self.ends[0].acts {
-            for (v, a) in predicted.iter_mut().zip(&self.ends[0].a) {
-                *v += half * a;
-            }
+            self.tables.get(table).end(&self.ends[0].a, &mut predicted);
         }
         let at = StateView {
             t: to.t,
@@ -444,9 +431,7 @@ impl OneStep for Trigonometric {
             return Ok(0.0);
         }
         let (a0, a1) = (&start.a[..n], &end.a[..n]);
-        for (v, a) in to.v[..n].iter_mut().zip(a1) {
-            *v += half * a;
-        }
+        self.tables.get(table).end(a1, &mut to.v[..n]);
         if tolerance.rtol == 0.0 {
             return Ok(0.0);
         }
@@ -468,29 +453,6 @@ impl OneStep for Trigonometric {
         if self.ends[0].acts {
             self.query_interval.end();
         }
-    }
-
-    /// Computes the damping beyond the trapezoidal rule. A damped oscillator at rest under impulses has a velocity at
-    /// the ends of its steps without displacement or dissipation. The trapezoidal rule is applied to the velocities
-    /// without it.
-    fn damping_beyond_trapezoid(&self, from: &State, to: &State, beyond: &mut [f64]) -> bool {
-        let h = to.t - from.t;
-        let whole = self.tables.get(self.table);
-        for (i, beyond) in beyond.iter_mut().enumerate() {
-            let delta = self.zeta[i] * self.omega[i];
-            *beyond = 0.0;
-            if delta == 0.0 {
-                continue;
-            }
-            let at_rest = whole.rest_under_kicks(i)[1];
-            for (kick, v) in self.ends.iter().zip([from.v[i], to.v[i]]) {
-                if kick.acts {
-                    let of_kicks = at_rest * kick.a[i];
-                    *beyond += h * delta * of_kicks * (of_kicks - 2.0 * v);
-                }
-            }
-        }
-        true
     }
 
     /// Interpolates by the closed form with oscillators, steady loads and the initial half impulse as a constant load;

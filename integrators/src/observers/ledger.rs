@@ -5,10 +5,7 @@
 //! quadrature on the interpolant. A method with impulses at the ends of its steps (Verlet, trigonometric) dissipates
 //! in a linear damper the work `h c v^2` at the velocity between both halves of an impulse, which is that of the
 //! state: there the trapezoidal rule is the balance of the method itself, and each state is evaluated once, which
-//! saves time where contact takes a solve. Damped oscillators in closed form lose part of each half impulse within the
-//! step, and have a velocity at the ends of steps even where they rest under a steady force. The method removes that
-//! velocity from the rule ([`Dense::damping_beyond_trapezoid`](crate::method::Dense::damping_beyond_trapezoid)). `J`
-//! is the sum of the jumps of energy at transitions of the branch. A step of flight is exact: its loss of energy
+//! saves time where contact takes a solve. `J` is the sum of the jumps of energy at transitions of the branch. A step of flight is exact: its loss of energy
 //! beyond the work of loads is booked as dissipated. The residual is the integration error (and that of the
 //! quadrature), in joule.
 //!
@@ -220,10 +217,6 @@ impl Ledger {
         let known = sys.work_of_loads(step.from.at(), step.to.at());
         self.external += known.map_or(external, |work| external - loads + work);
         self.dissipated += half * (before.dissipated + self.powers.dissipated);
-        if self.powers.dissipated != 0.0 && step.dense.damping_beyond_trapezoid(&mut self.q) {
-            sys.apply_mass(step.to.at(), &self.q, &mut self.v);
-            self.dissipated += self.v.iter().sum::<f64>();
-        }
         self.looked();
     }
 

@@ -93,11 +93,6 @@ impl<M: OneStep> Dense for MethodDense<'_, M> {
             .interpolate(self.from, self.end, theta * self.stretch, q, v);
     }
 
-    fn damping_beyond_trapezoid(&self, beyond: &mut [f64]) -> bool {
-        let whole = self.stretch == 1.0;
-        whole && (self.method).damping_beyond_trapezoid(self.from, self.end, beyond)
-    }
-
     fn order(&self) -> u32 {
         self.method.info().order
     }

@@ -89,7 +89,7 @@ impl ModalSplit for SpringLoadedOscillators {
         omega.copy_from_slice(&self.omega);
         zeta.fill(0.0);
     }
-    fn prepare(&mut self, quasi_static: &[f64], _velocity: &[f64]) {
+    fn prepare(&mut self, quasi_static: &[f64]) {
         if self.gives {
             self.quasi_static.copy_from_slice(quasi_static);
         }

@@ -68,18 +68,11 @@ impl ModalSplit for Scene {
         }
     }
 
-    fn prepare(&mut self, lag: &[f64], velocity: &[f64]) {
-        // A gap with retardation sees displacement and velocity of a mode together.
-        let mut missing = Vec::new();
+    fn prepare(&mut self, quasi_static: &[f64]) {
         for g in &self.gears {
-            let Some(linear) = g.model.linear() else {
-                continue;
-            };
-            let beta = g.model.hub().retardation;
-            let of_gear = lag[g.range()].iter().zip(&velocity[g.range()]);
-            missing.clear();
-            missing.extend(of_gear.map(|(lag, v)| (lag - beta * v).max(0.0)));
-            linear.set_quasi_static_correction(Some(&missing));
+            if let Some(linear) = g.model.linear() {
+                linear.set_quasi_static_correction(Some(&quasi_static[g.range()]));
+            }
         }
         self.work.nodal.forget();
         self.work.reported.forget();

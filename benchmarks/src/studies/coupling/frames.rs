@@ -285,8 +285,8 @@ impl ModalSplit for PrescribedScene<'_> {
         self.scene.oscillators(omega, zeta);
     }
 
-    fn prepare(&mut self, lag: &[f64], velocity: &[f64]) {
-        self.scene.prepare(lag, velocity);
+    fn prepare(&mut self, lag: &[f64]) {
+        self.scene.prepare(lag);
     }
 
     fn remainder(&mut self, at: StateView<'_>, a: &mut [f64]) {

@@ -84,7 +84,7 @@ fn reports_are_those_of_their_state() {
     assert_ne!(out[2].channels, out[3].channels);
     // The same coordinates with another residual compliance.
     let lag = vec![1e-14; force.len()];
-    scene.modal().unwrap().prepare(&lag, &vec![0.0; lag.len()]);
+    scene.modal().unwrap().prepare(&lag);
     scene.output(b.at(), &mut out[0]);
     assert_ne!(out[0].channels, out[3].channels);
 }

@@ -98,7 +98,7 @@ impl Linearised {
         if let Some(split) = self.scene.modal() {
             let quasi_static: Vec<f64> =
                 omega.iter().map(|w| impulses.quasi_static(*w, h)).collect();
-            split.prepare(&quasi_static, &vec![0.0; quasi_static.len()]);
+            split.prepare(&quasi_static);
         }
         let s = self.closed.as_ref().unwrap_or(&self.start);
         let mass = mass(&mut self.scene, s);
