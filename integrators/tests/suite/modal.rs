@@ -3,6 +3,7 @@
 use crate::equilibrium::Springs;
 use crate::modes::Modes;
 use crate::problems::*;
+use gearbench_integrators::modal::propagator::coefficients;
 use gearbench_integrators::{
     AcceptedStep, Control, NullSink, Resolution, SecondOrderSystem, Sink, State, StepError,
     TimePlan,
@@ -17,14 +18,14 @@ fn apart(a: &State, b: &State) -> f64 {
 /// A stop that is never reached keeps the flights short, so that many steps are made.
 #[test]
 fn oscillators_and_steady_loads_are_exact_over_long_times() {
-    let zeta = [0.0, 0.0, 0.0, 1e-4, 0.02, 0.7, 0.999];
-    let omega = [0.0, 0.01, 31.4, 7.0, 1.0, 3.0, 5.0];
-    let load = [1e-5, 1e-4, -2.0, 1.0, 0.5, 3.0, -1.0];
+    let zeta = [0.0, 0.0, 0.0, 1e-4, 0.02, 0.7, 0.999, 1.0, 30.0];
+    let omega = [0.0, 0.01, 31.4, 7.0, 1.0, 3.0, 5.0, 2.0, 4.0];
+    let load = [1e-5, 1e-4, -2.0, 1.0, 0.5, 3.0, -1.0, 1.0, 2.0];
     let mut modes = Modes::linear(&omega, &zeta, &load);
     modes.wall = 1e9;
     let start = state(
-        &[0.1, -1.0, 0.3, 0.2, 1.0, 2.0, 0.5],
-        &[0.0, 1.0, 2.0, -1.0, 0.0, 3.0, 1.0],
+        &[0.1, -1.0, 0.3, 0.2, 1.0, 2.0, 0.5, -1.0, 0.3],
+        &[0.0, 1.0, 2.0, -1.0, 0.0, 3.0, 1.0, 2.0, 1.0],
     );
     for (t_end, n, filter) in [(1e3, 20_000.0, 0), (1e3, 333_333.0, 0), (1e3, 20_000.0, 2)] {
         let text = format!("trigonometric(filter={filter})");
@@ -144,9 +145,31 @@ fn a_system_without_a_split_is_refused() {
     assert!(matches!(error, StepError::Unsupported { .. }));
     assert!(error.to_string().contains("velocity-verlet"), "{error}");
 
-    let mut critical = Modes::linear(&[1.0], &[1.0], &[0.0]);
-    let (_, _, result) = run(m, &mut critical, state(&[1.0], &[0.0]), &steps(1.0, 10.0));
+    let mut driven = Modes::linear(&[1.0], &[-0.1], &[0.0]);
+    let (_, _, result) = run(m, &mut driven, state(&[1.0], &[0.0]), &steps(1.0, 10.0));
     assert!(result.unwrap_err().to_string().contains("damping ratio"));
+}
+
+/// Oscillators at and beyond critical damping under a force that depends on position and velocity: against the closed
+/// form of the sum, with the order of the method.
+#[test]
+fn overdamped_oscillators_follow_forces_with_order_two() {
+    let m = by_id("trigonometric");
+    for zeta in [0.3, 1.0, 2.0] {
+        let error = |h: f64| {
+            let mut modes = Modes::linear(&[1.0], &[zeta], &[30.0]);
+            (modes.stop, modes.wall) = (0.3, -100.0);
+            let (end, _, result) = run(m, &mut modes, state(&[1.0], &[0.2]), &steps(2.0, 2.0 / h));
+            result.unwrap();
+            // The stop, which is pressed all the time, adds to the stiffness; its force at zero is the load.
+            let omega = 1.3_f64.sqrt();
+            let c = coefficients(omega, zeta / omega, 2.0);
+            (end.q[0] - (c.qq + 0.2 * c.qv)).abs()
+        };
+        let order = (error(0.1) / error(0.05)).log2();
+        println!("zeta {zeta}: {:.1e}, order {order:.2}", error(0.05));
+        assert!((order - 2.0).abs() < 0.1, "zeta {zeta}: order {order}");
+    }
 }
 
 /// A tenfold flight between two impacts costs no more steps and no more evaluations.

@@ -381,8 +381,6 @@ impl FullOrder {
         }
         let mut torque = 0.0;
         if !self.hub.is_free() && own >= 3 {
-            let mut nodal = self.scratch.borrow_mut();
-            self.strained(at, &mut nodal);
             let Nodal { u, g, .. } = &*nodal;
             let load = self.elastic_load(&frame_pose, u, g);
             let spins = lateral.spin_forces(&frame_pose.motion)[own];
