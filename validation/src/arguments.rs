@@ -113,6 +113,9 @@ pub struct Reduction {
     /// First and last scene of the set [default: all]
     #[arg(long, value_name = "A..B", value_parser = range)]
     pub scenes: Option<[usize; 2]>,
+    /// Damping ratio of the mesh mode of both models; scenes without loads are then left out [default: undamped]
+    #[arg(long, value_name = "RATIO")]
+    pub mesh_ratio: Option<f64>,
     /// Table to write
     #[arg(long, value_name = "FILE", default_value = "reduction.csv")]
     pub out: PathBuf,

@@ -181,7 +181,8 @@ fn reduce(context: &Context, args: &arguments::Reduction) -> Result<CommandResul
     let runner = Arc::new(Runner::new(context.clone(), journal, &silent));
     let mut rows = Vec::new();
     for number in first..=last {
-        let row = reduction::compare(&set, number, &runner).map_err(refuse)?;
+        let row = reduction::compare(&set, number, args.mesh_ratio, &runner).map_err(refuse)?;
+        let Some(row) = row else { continue };
         context.messages.print_line(&format!(
             "{}: {}, {}, force {}",
             row.scene,
@@ -200,10 +201,11 @@ fn reduce(context: &Context, args: &arguments::Reduction) -> Result<CommandResul
     let ended = rows.iter().filter(|r| r.ended()).count();
     let within = rows.iter().filter(|r| r.is_within()).count();
     context.messages.print_line(&format!(
-        "{} scenes (seed {}): {ended} ended both ways, {within} within {} %",
+        "{} scenes (seed {}): {ended} ended both ways, {within} within {} % in force and {} % in transmission error",
         rows.len(),
         set.seed,
-        100.0 * reduction::LIMIT
+        100.0 * reduction::LIMIT,
+        100.0 * reduction::LIMIT_OF_TRANSMISSION_ERROR
     ));
     let enough = within as f64 >= ASKED.0 * rows.len() as f64 && ended == rows.len();
     Ok(CommandResult::done().ending(if enough { Exit::Done } else { Exit::FellShort }))
