@@ -127,3 +127,33 @@ impl std::str::FromStr for Output {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::context::Context;
+    use crate::scene_file::{self, Selection};
+
+    /// The last speeds are named after the gears of the scene, also those that former versions had by number.
+    #[test]
+    fn last_speeds_have_the_names_of_gears() {
+        let labels = Selection::Labels(Some("rigid"));
+        let scene = scene_file::load_for(&Context::default(), "hammer", labels).unwrap();
+        let keys = |word: &str| -> Result<Vec<String>, String> {
+            let all = word.parse::<Output>()?.of_scene(&scene.spec)?;
+            Ok(all.iter().map(Output::key).collect())
+        };
+        let [pinion, wheel] = ["speed_end_pinion_rad_s", "speed_end_wheel_rad_s"];
+        for (word, wanted) in [
+            ("speeds_end", vec![pinion, wheel]),
+            ("omega2_end", vec![wheel]),
+            (pinion, vec![pinion]),
+            ("steps", vec!["steps"]),
+        ] {
+            assert_eq!(keys(word).unwrap(), wanted, "{word}");
+        }
+        for word in ["omega3_end", "omega0_end", "speed_end_sun_rad_s", "speed"] {
+            assert!(keys(word).unwrap_err().contains(word), "{word}");
+        }
+    }
+}

@@ -15,11 +15,12 @@ pub(super) struct Header<'a> {
 }
 
 /// Prefixes of the columns of a reference.
-const KEPT: [&str; 7] = [
+const KEPT: [&str; 8] = [
     "hub_angle_",
     "hub_displacement_",
     "transmission_error",
     "contact_force_",
+    "transverse_force_",
     "speed_",
     "contact_torque_",
     "mount_torque_",
