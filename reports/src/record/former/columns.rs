@@ -155,3 +155,61 @@ fn walk(value: &mut Value, names: &Names) -> bool {
         _ => false,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn names_of(series: &Value) -> Vec<&str> {
+        let columns = series["columns"].as_array().into_iter().flatten();
+        columns.filter_map(|c| c["name"].as_str()).collect()
+    }
+
+    /// The gears of a record without names have numbers; a history that a reference does not have is no column.
+    #[test]
+    fn gears_without_names_have_numbers() {
+        let mut record = json!({
+            "runs": [{
+                "series": {"time_s": [0.0], "contact_force_n": [1.0], "omega1_rad_s": [2.0], "omega2_rad_s": [3.0]},
+                "metrics": [{"against": "self", "omega1_end": 2.0}, {"against": "fe"}],
+            }],
+            "references": [{
+                "series": {"time_s": [0.0], "contact_force_n": [], "omega1_rad_s": [], "omega2_rad_s": [3.0]},
+            }],
+        });
+        assert!(may_be_former(&record.to_string()));
+        assert_eq!(upgrade(&mut record).unwrap(), ["gear_1", "gear_2"]);
+        let all = [
+            "contact_force_gear_1_gear_2_n",
+            "speed_gear_1_rad_s",
+            "speed_gear_2_rad_s",
+        ];
+        assert_eq!(names_of(&record["runs"][0]["series"]), all);
+        assert_eq!(names_of(&record["references"][0]["series"]), all[2..]);
+        let metrics = &record["runs"][0]["metrics"];
+        let wanted = json!([{"against": "self", "speeds_end": {"gear_1": 2.0}}, {"against": "fe"}]);
+        assert_eq!(metrics, &wanted);
+        assert!(upgrade(&mut record).is_none() && !may_be_former(&record.to_string()));
+    }
+
+    /// Histories of an identification have the names of their hubs.
+    #[test]
+    fn hubs_have_the_names_of_gears() {
+        let hub = |name: &str| json!({"name": name, "values": [0.0]});
+        let columns = [
+            hub("hub_angle_pinion_rad"),
+            hub("hub_displacement_rack_m"),
+            hub("mesh_cycle"),
+        ];
+        let mut record = json!({"histories": [{
+            "series": {"time_s": [0.0], "contact_force_n": [1.0], "omega1_rad_s": [2.0], "omega2_rad_s": [3.0], "columns": columns},
+        }]});
+        assert_eq!(upgrade(&mut record).unwrap(), ["pinion", "rack"]);
+        let names = names_of(&record["histories"][0]["series"]);
+        assert_eq!(
+            names[..2],
+            ["contact_force_pinion_rack_n", "speed_pinion_rad_s"]
+        );
+        assert_eq!(names[5], "mesh_cycle_pinion_rack");
+    }
+}
