@@ -6,7 +6,7 @@ import sys
 RUN_KEYS = """model integrator status wall_s setup_s simulated_s steps rejected force_evaluations
 newton_iterations factorisations dofs metrics""".split()
 METRIC_KEYS = """force_l2 force_l2_aligned peak_force_n peak_force_rel impulse_ns impulse_rel duration_s
-omega1_end omega2_end energy_drift_rel against""".split()
+speeds_end energy_drift_rel against""".split()
 
 
 def main(path):
@@ -36,6 +36,8 @@ def main(path):
         assert wanted <= set(against), f"{name}: compared with {sorted(against)}"
         for key in METRIC_KEYS:
             assert key in against["calculix"], f"{name}: no {key}"
+        speeds = list(against["calculix"]["speeds_end"])
+        assert speeds == ["pinion", "wheel"], f"{name}: speeds of {speeds}"
         limit = {"rigid": 0.05, "movable-teeth": 0.035, "elastic": 0.02, "fe": 0.02}[run["model"]]
         # Models on the mesh of the second reference are compared with it, like with like.
         of_its_mesh = run["model"] in ("elastic", "fe") and not decided

@@ -18,7 +18,7 @@ use std::path::PathBuf;
 const HEADER: &str = "# Golden runs of scene spur_impact, made by:\n\
     #   GEARBENCH_UPDATE_GOLDEN=1 cargo test --release -p gearbench --test golden\n\
     model,integrator,status,dofs,steps,rejected,force_evaluations,newton_iterations,events,\
-    force_l2_aligned,peak_force_n,impulse_ns,omega1_end,omega2_end\n";
+    force_l2_aligned,peak_force_n,impulse_ns,speed_end_pinion_rad_s,speed_end_wheel_rad_s\n";
 
 fn runs() -> Vec<Run> {
     // Models with integrators of their own are finite elements: other tests hold those.
@@ -62,8 +62,8 @@ fn row(r: &Run) -> String {
         m.force_l2_aligned,
         m.peak_force_n,
         m.impulse_ns,
-        m.omega1_end,
-        m.omega2_end,
+        m.speed_end("pinion"),
+        m.speed_end("wheel"),
     ] {
         write!(line, ",{}", x(v)).unwrap();
     }

@@ -77,7 +77,7 @@ pub struct Histories {
     pub series: Option<TimeSeries>,
     /// Rows of that series at times of the grid, ascending.
     pub on_grid: Vec<usize>,
-    /// Further columns, on the grid alone.
+    /// Columns that are known on the grid alone.
     pub further: Vec<Column>,
     /// Forces of tooth pairs in contact, at times of the grid.
     pub pairs: Vec<PairSample>,
@@ -107,19 +107,17 @@ impl Histories {
         let rows: Vec<usize> = (self.on_grid.iter().copied())
             .take_while(|&row| row < series.len())
             .collect();
-        let of_series = std::iter::once(("time_s", series.time_s.as_slice()))
-            .chain(series.named_columns())
-            .collect::<Vec<_>>();
-        let names = of_series.iter().map(|(name, _)| (*name).to_owned());
         let row = |(k, &i): (usize, &usize)| {
-            let known = of_series.iter().map(|(_, c)| c.get(i).copied());
-            let further = self.further.iter().map(|c| c.values.get(k).copied());
-            known.chain(further).map(number).collect()
+            let of_series = series.columns.iter().map(|c| c.values.get(i).copied());
+            let on_grid = self.further.iter().map(|c| c.values.get(k).copied());
+            let time = std::iter::once(series.time_s.get(i).copied());
+            time.chain(of_series).chain(on_grid).map(number).collect()
         };
+        let names = series.columns.iter().chain(&self.further);
         CsvTable {
             file: String::new(),
-            header: names
-                .chain(self.further.iter().map(|c| c.name.clone()))
+            header: std::iter::once("time_s".to_owned())
+                .chain(names.map(|c| c.name.clone()))
                 .collect(),
             rows: rows.iter().enumerate().map(row).collect(),
         }
@@ -175,42 +173,30 @@ pub(crate) fn files() -> Vec<FileDescription> {
     ]
 }
 
-/// Columns of the histories of a run. MESH are the names of both gears of a further mesh with `_` between them.
+/// Columns of the histories of a run. MESH are the names of both gears of a mesh with `_` between them.
 #[rustfmt::skip]
-const COLUMNS: [(&str, &str); 48] = [
+const COLUMNS: [(&str, &str); 36] = [
     ("time_s", "time"),
-    ("contact_force_n", "contact force of the first mesh: magnitude, in space, of the vector sum over its tooth pairs; on helical gears therefore the force normal to the flanks, 1 / cos(beta_b) times `contact_force_transverse_n` (1.045 at a base helix angle of 16.9 degrees)"),
-    ("omega1_rad_s", "angular velocity of gear 1, angular momentum over inertia; of a rack its speed over the pitch radius of its mate"),
-    ("omega2_rad_s", "angular velocity of gear 2, angular momentum over inertia; of a rack its speed over the pitch radius of its mate"),
+    ("contact_force_MESH_n", "contact force: magnitude, in space, of the vector sum over the tooth pairs of the mesh; on helical gears therefore the force normal to the flanks, 1 / cos(beta_b) times `transverse_force_MESH_n` (1.045 at a base helix angle of 16.9 degrees)"),
+    ("speed_GEAR_rad_s", "angular velocity, angular momentum over inertia; of a rack its speed over the pitch radius of its mate"),
+    ("speed_GEAR_m_s", "speed of a rack, momentum over mass"),
     ("hub_angle_GEAR_rad", "rotation of the hub since the start"),
     ("hub_displacement_GEAR_m", "displacement of a rack since the start"),
-    ("transmission_error_m", "transmission error of the first mesh in the transverse plane"),
-    ("transmission_error_MESH_m", "transmission error of a further mesh in the transverse plane"),
-    ("mesh_cycle", "cycles of the first mesh since the start, from the rotation of its first gear, in planetary sets relative to the carrier"),
-    ("backlash_position", "position of the tooth of the first mesh in its backlash: the negative transmission error over the transverse backlash, 0 where the flank of the start touches without load, 1 where the other one does, outside of this range while teeth are deflected; only for runs with values below 0.25 and above 0.75"),
-    ("backlash_position_MESH", "position in the backlash of a further mesh"),
-    ("speed_ratio_error", "error of the speed ratio of the first mesh: speed of the first hub over that of the second, over their ratio by numbers of teeth, minus 1; in planetary sets relative to the carrier; only for runs whose second gear keeps half of its greatest speed"),
-    ("speed_ratio_error_MESH", "error of the speed ratio of a further mesh"),
+    ("transmission_error_MESH_m", "transmission error in the transverse plane"),
+    ("mesh_cycle_MESH", "cycles of the mesh since the start, from the rotation of its first gear, in planetary sets relative to the carrier"),
+    ("backlash_position_MESH", "position of the tooth in its backlash: the negative transmission error over the transverse backlash, 0 where the flank of the start touches without load, 1 where the other one does, outside of this range while teeth are deflected; only for runs with values below 0.25 and above 0.75"),
+    ("speed_ratio_error_MESH", "error of the speed ratio: speed of the first hub over that of the second, over their ratio by numbers of teeth, minus 1; in planetary sets relative to the carrier; only for runs whose second gear keeps half of its greatest speed"),
     ("tooth_deflection_GEAR_rad", "of movable teeth: angle of a tooth minus that of its body, `S_i - phi`, of the tooth in contact with the greatest spring force, 0 without contact"),
     ("tooth_deflection_GEAR_m", "deflection of a tooth of a rack with movable teeth"),
     ("tooth_radial_force_GEAR_n", "radial part of the contact force on the tooth with the greatest spring force, positive away from the axis (F_n of Ebrahimi and Eberhard)"),
     ("tooth_tangential_force_GEAR_n", "tangential part of the contact force on the tooth with the greatest spring force, positive counter-clockwise, of a rack along its slide (F_t)"),
     ("tooth_spring_force_GEAR_n", "force of spring and damper on the tooth with the greatest spring force, positive as the tangential part (F_te)"),
-    ("contact_force_MESH_n", "contact force of a further mesh"),
-    ("contact_force_transverse_n", "component of the contact force of the first mesh in the transverse plane; for spur gears equal to the contact force"),
-    ("contact_force_transverse_MESH_n", "transverse component of the contact force of a further mesh"),
-    ("contact_pressure_pa", "greatest pressure of the first mesh with contact on half-spaces: Hertz's pressure in the middle of a line"),
-    ("contact_pressure_MESH_pa", "greatest pressure of a further mesh on half-spaces"),
-    ("contact_half_width_m", "half-width of the contact line of the first mesh on half-spaces"),
-    ("contact_half_width_MESH_m", "half-width of the contact line of a further mesh"),
-    ("speed_GEAR_rad_s", "angular velocity of a further gear, angular momentum over inertia; in tables of `gearbench reference` of every gear"),
-    ("speed_GEAR_m_s", "speed of a rack, momentum over mass"),
-    ("force_x_n", "force of the first mesh on its second gear along x"),
-    ("force_y_n", "force of the first mesh on its second gear along y"),
-    ("force_z_n", "force of the first mesh on its second gear along the axes"),
-    ("force_x_MESH_n", "force of a further mesh on its second gear along x"),
-    ("force_y_MESH_n", "force of a further mesh on its second gear along y"),
-    ("force_z_MESH_n", "force of a further mesh on its second gear along the axes"),
+    ("transverse_force_MESH_n", "component of the contact force in the transverse plane; for spur gears equal to the contact force"),
+    ("contact_pressure_MESH_pa", "greatest pressure of a mesh with contact on half-spaces: Hertz's pressure in the middle of a line"),
+    ("contact_half_width_MESH_m", "half-width of the contact line of a mesh on half-spaces"),
+    ("force_x_MESH_n", "force of the mesh on its second gear along x"),
+    ("force_y_MESH_n", "force of the mesh on its second gear along y"),
+    ("force_z_MESH_n", "force of the mesh on its second gear along the axes"),
     ("hub_speed_GEAR_rad_s", "angular velocity of the hub"),
     ("hub_speed_GEAR_m_s", "speed of the hub of a rack"),
     ("contact_torque_GEAR_nm", "torque of the contact forces about the axis"),

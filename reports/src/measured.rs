@@ -21,6 +21,7 @@ use crate::markup::table::Table;
 use crate::markup::{note, section};
 use crate::metrics::{at_times, trapezoid_weights};
 use crate::numbers::{Prefix, per_cent};
+use crate::series::place_of;
 use maud::{Markup, html};
 use serde::{Deserialize, Serialize};
 
@@ -104,7 +105,7 @@ impl MeasuredCurve {
 
     /// Returns the computed curves of its two columns with their errors.
     pub fn compared(&self, tables: &[CsvTable]) -> Vec<ComparedCurve> {
-        let has = |t: &CsvTable, name: &str| t.header.iter().any(|h| h == name);
+        let has = |t: &CsvTable, name: &str| place_of(&t.header, name).is_some();
         let fits = |t: &&CsvTable| has(t, &self.abscissa) && has(t, &self.ordinate);
         let own = tables.iter().filter(|t| t.file != RUNS).filter(fits);
         let mut own: Vec<&CsvTable> = own.collect();
@@ -119,7 +120,7 @@ impl MeasuredCurve {
 
     /// Returns the curves of a table.
     fn curves(&self, table: &CsvTable) -> Curves {
-        let place = |name: &str| table.header.iter().position(|h| h == name);
+        let place = |name: &str| place_of(&table.header, name);
         let (Some(x), Some(y)) = (place(&self.abscissa), place(&self.ordinate)) else {
             return Curves::new();
         };
@@ -229,7 +230,7 @@ pub fn lines(curves: &[MeasuredCurve], tables: &[CsvTable]) -> Vec<String> {
 /// Returns the reason why no computed curve is compared with a measured one.
 fn nothing_to_compare(curve: &MeasuredCurve, tables: &[CsvTable]) -> String {
     let columns = [&curve.abscissa, &curve.ordinate];
-    let unknown = |name: &&&String| !tables.iter().any(|t| t.header.contains(name));
+    let unknown = |name: &&&String| tables.iter().all(|t| place_of(&t.header, name).is_none());
     match columns.iter().find(unknown) {
         Some(name) => format!("no table of this study has a column `{name}`"),
         None => format!(

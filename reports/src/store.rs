@@ -9,7 +9,7 @@ use crate::csv_table::{CsvTable, number};
 use crate::drawing::canvas::DrawError;
 use crate::histories::ENDINGS;
 use crate::markup::page;
-use crate::record::{ReferenceSeries, Results, SCHEMA, slug, version_1};
+use crate::record::{ReferenceSeries, Results, SCHEMA, former, slug};
 use crate::series::TimeSeries;
 use crate::studies::{Study, report};
 use crate::view::View;
@@ -140,25 +140,21 @@ fn parse(text: &str, path: &Path) -> Result<Results, ReportError> {
         ))
     };
     let version: Version = serde_json::from_str(text).map_err(broken)?;
-    if !(version_1::SCHEMA..=SCHEMA).contains(&version.schema) {
+    if !(former::SCHEMA..=SCHEMA).contains(&version.schema) {
         return Err(refuse(format!(
             "the record has schema {}, this version reads schemas {} to {SCHEMA}",
             version.schema,
-            version_1::SCHEMA
+            former::SCHEMA
         )));
     }
-    let upgraded = match version.schema {
-        version_1::SCHEMA => version_1::upgrade(text).map_err(broken)?,
-        _ => None,
-    };
-    if let Some(study) = version.study.filter(|_| upgraded.is_none()) {
+    if let Some(study) = version.study.filter(|name| name != former::PENALTY) {
         study.parse::<Study>().map_err(refuse)?;
     }
+    let upgraded = former::upgrade(text).map_err(|e| refuse(e.to_string()))?;
     let mut results: Results = match upgraded {
-        Some(record) => serde_json::from_value(record),
-        None => serde_json::from_str(text),
-    }
-    .map_err(|e| refuse(e.to_string()))?;
+        Some(results) => results,
+        None => serde_json::from_str(text).map_err(|e| refuse(e.to_string()))?,
+    };
     results.header.schema = SCHEMA;
     results.validate().map_err(refuse)?;
     Ok(results)
@@ -269,10 +265,11 @@ fn reference_name(i: usize, reference: &ReferenceSeries, k: usize) -> String {
 }
 
 fn series_table(series: &TimeSeries) -> CsvTable {
-    let columns: Vec<&[f64]> = std::iter::once(series.time_s.as_slice())
-        .chain(series.named_columns().map(|(_, c)| c))
+    let columns: Vec<&[f64]> = std::iter::once(&series.time_s)
+        .chain(series.columns.iter().map(|c| &c.values))
+        .map(Vec::as_slice)
         .collect();
-    let names = series.named_columns().map(|(name, _)| name);
+    let names = series.columns.iter().map(|c| c.name.as_str());
     let row = |i: usize| columns.iter().map(|c| number(c.get(i).copied())).collect();
     CsvTable {
         file: String::new(),

@@ -119,8 +119,8 @@ mod tests {
     /// The JSON object of a study stays small, however long the histories are.
     #[test]
     fn an_answer_has_no_histories() {
-        let mut series = TimeSeries::default();
-        (0..1000).for_each(|i| series.push(f64::from(i), 1.0, 2.0, 3.0));
+        let mut series = TimeSeries::named(["contact_force_a_b_n"]);
+        (0..1000).for_each(|i| series.push(f64::from(i), &[1.0]));
         let results = Results {
             runs: vec![Run {
                 steps: 7,

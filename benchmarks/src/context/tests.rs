@@ -35,7 +35,12 @@ fn study(context: &Context, progress: Progress<'_>) -> (String, Vec<Run>) {
 
 /// Steps and forces of each run.
 fn computed(runs: &[Run]) -> Vec<(u64, Vec<f64>)> {
-    let of = |run: &Run| (run.steps, run.series.clone().unwrap().contact_force_n);
+    let of = |run: &Run| {
+        (
+            run.steps,
+            run.series.clone().unwrap().contact_force().to_vec(),
+        )
+    };
     runs.iter().map(of).collect()
 }
 

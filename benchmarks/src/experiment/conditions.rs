@@ -27,7 +27,7 @@ pub struct Conditions {
     pub duration: f64,
     /// Number of samples of the histories over the duration.
     pub samples: usize,
-    /// True if torques and further transmission errors are recorded ([`Conditions::compared_with`]).
+    /// True if torques are recorded ([`Conditions::compared_with`]).
     pub torques: bool,
     /// True if contact events are located.
     pub events: bool,
@@ -80,19 +80,16 @@ impl Conditions {
             max_steps: u64::MAX,
         }
     }
-    /// Also records the torques and further transmission errors that some reference contains, for comparison with it.
+    /// Also records the torques that some reference contains, for comparison with it.
     #[must_use]
     pub fn compared_with<'r>(
         mut self,
         references: impl IntoIterator<Item = &'r Reference>,
     ) -> Self {
-        let beside = |c: &Channel| match c.quantity {
-            Quantity::Torque(_) | Quantity::MountTorque(_) => true,
-            Quantity::TransmissionError(mesh) => mesh > 0,
-            _ => false,
-        };
+        let is_torque =
+            |c: &Channel| matches!(c.quantity, Quantity::Torque(_) | Quantity::MountTorque(_));
         let mut references = references.into_iter();
-        self.torques |= references.any(|r| r.channels.iter().any(beside));
+        self.torques |= references.any(|r| r.channels.iter().any(is_torque));
         self
     }
 

@@ -7,19 +7,19 @@ use gearbench_reports::series::TimeSeries;
 const CLOSE_UP: f64 = 0.012;
 /// Number of intervals of a history in the record.
 const KEPT_BUCKETS: usize = 700;
-/// Largest number of samples for which a record keeps further columns (displacements) as well.
+/// Largest number of samples for which a record keeps other columns than contact forces and speeds as well.
 const FULL_COLUMNS: usize = 5000;
 
 /// Reduces a history for the record: extrema of each interval stay, and the surroundings of the highest peak in full
 /// resolution.
 pub fn decimate(series: &TimeSeries) -> TimeSeries {
-    let force = &series.contact_force_n;
+    let force = series.contact_force();
     let peak = (0..force.len()).max_by(|&a, &b| force[a].total_cmp(&force[b]));
     let at = peak.map_or(0.0, |i| series.time_s[i]);
     let half = CLOSE_UP * series.time_s.last().copied().unwrap_or(0.0);
     let mut thin = series.decimated_around(KEPT_BUCKETS, [at - half, at + half]);
     if thin.len() > FULL_COLUMNS {
-        thin.columns.clear();
+        thin.columns.retain(TimeSeries::is_drawn);
     }
     thin
 }

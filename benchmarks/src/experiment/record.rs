@@ -12,11 +12,10 @@ use gearbench_models::spec::{
 };
 use gearbench_reference::reduction::ElasticParameters;
 use gearbench_reports::histories::{Histories, SprungTooth};
-use gearbench_reports::metrics::{MESH_CYCLE, TRANSMISSION_ERROR};
 use gearbench_reports::record::{self, ContactPoint, ContactSnapshot, Outline, Run, finite};
 use gearbench_reports::series::{
-    BACKLASH_POSITION, Column, SPEED_RATIO_ERROR, TOOTH_DEFLECTION, TOOTH_RADIAL_FORCE,
-    TOOTH_SPRING_FORCE, TOOTH_TANGENTIAL_FORCE, TimeSeries, mesh_column,
+    BACKLASH_POSITION, Column, MESH_CYCLE, Quantity, SPEED, SPEED_RATIO_ERROR, TOOTH_DEFLECTION,
+    TOOTH_RADIAL_FORCE, TOOTH_SPRING_FORCE, TOOTH_TANGENTIAL_FORCE, TRANSMISSION_ERROR, TimeSeries,
 };
 
 /// The columns of a row on the modes of elastic gears.
@@ -43,39 +42,36 @@ pub fn reduction(scene: &Scene, modelling: &Modelling) -> Run {
     found
 }
 
+/// The histories of a run: contact forces of all meshes and speeds of all gears, then all others.
 pub fn time_series(job: &Job<'_>, scene: &Scene, history: &History) -> TimeSeries {
     let spec = job.scene;
     let values =
         |channel: Channel| (scene.channel(channel)).map_or_else(Vec::new, |c| history.column(c));
     let of_gear = |g: usize, what: OfGear| values(Channel::Gear(g, what));
+    let column = |channel: Channel| Column::new(channel.column(spec), values(channel));
+    let (gears, meshes) = (0..spec.gears.len(), 0..spec.meshes.len());
     let mut series = TimeSeries {
         time_s: history.time.clone(),
-        contact_force_n: history.force(),
-        omega1_rad_s: turning(spec, 0, of_gear(0, OfGear::Speed)),
-        omega2_rad_s: turning(spec, 1, of_gear(1, OfGear::Speed)),
         ..TimeSeries::default()
     };
-    let column = |channel: Channel| Column {
-        name: channel.column(spec),
-        values: values(channel),
-    };
-    let (gears, meshes) = (0..spec.gears.len(), 0..spec.meshes.len());
     let columns = &mut series.columns;
+    columns.extend((meshes.clone()).map(|m| column(Channel::Mesh(m, OfMesh::Force))));
+    for (g, gear) in spec.gears.iter().enumerate() {
+        // That of a rack is in [m/s].
+        let own = column(Channel::Gear(g, OfGear::Speed));
+        if matches!(gear.body, Body::Rack(_)) {
+            let turning = turning(spec, g, own.values.clone());
+            columns.push(own);
+            columns.push(Column::new(SPEED.of(&gear.name), turning));
+        } else {
+            columns.push(own);
+        }
+    }
     columns.extend(
         gears
             .clone()
             .map(|g| column(Channel::Gear(g, OfGear::Displacement))),
     );
-    let error = transmission_error(spec, 0, |g| of_gear(g, OfGear::Displacement));
-    columns.extend(error.map(|values| Column {
-        name: TRANSMISSION_ERROR.into(),
-        values,
-    }));
-    let cycles = mesh_cycles(spec, |g| of_gear(g, OfGear::Displacement));
-    columns.extend(cycles.map(|values| Column {
-        name: MESH_CYCLE.into(),
-        values,
-    }));
     columns.extend(motion_columns(spec, &of_gear));
     if let Some(contacts) = &history.contacts {
         columns.extend(tooth_columns(spec, history, &contacts.sprung));
@@ -88,22 +84,12 @@ pub fn time_series(job: &Job<'_>, scene: &Scene, history: &History) -> TimeSerie
     }
     if job.torques {
         columns.extend(torques(spec, values));
-        columns.extend(further_errors(spec, |g| of_gear(g, OfGear::Displacement)));
     }
     for m in meshes {
-        if m > 0 {
-            columns.push(column(Channel::Mesh(m, OfMesh::Force)));
-        }
         columns.push(column(Channel::Mesh(m, OfMesh::Transverse)));
         if scene.meshes()[m].search.lines().is_some() {
             columns.push(column(Channel::Mesh(m, OfMesh::Pressure)));
             columns.push(column(Channel::Mesh(m, OfMesh::HalfWidth)));
-        }
-    }
-    // The first two gears have columns of their own, but in [rad/s].
-    for (g, gear) in spec.gears.iter().enumerate() {
-        if g > 1 || matches!(gear.body, Body::Rack(_)) {
-            columns.push(column(Channel::Gear(g, OfGear::Speed)));
         }
     }
     columns.extend(
@@ -142,32 +128,12 @@ const TORQUES: [OfGear; 2] = [OfGear::ContactTorque, OfGear::MountTorque];
 fn torques(spec: &SceneSpec, values: impl Fn(Channel) -> Vec<f64>) -> Vec<Column> {
     let gears = 0..spec.gears.len();
     let channels = gears.flat_map(|g| TORQUES.map(|what| Channel::Gear(g, what)));
-    let column = |channel: Channel| Column {
-        name: channel.column(spec),
-        values: values(channel),
-    };
+    let column = |channel: Channel| Column::new(channel.column(spec), values(channel));
     channels.map(column).collect()
 }
 
-/// Name of the column with the transmission error of a mesh.
-pub(super) fn error_column(spec: &SceneSpec, mesh: usize) -> String {
-    let further = (mesh > 0).then(|| spec.names_of(spec.meshes[mesh].gears));
-    mesh_column("transmission_error", "_m", further)
-}
-
-/// Transmission errors of all meshes but the first, from the displacement of each hub.
-fn further_errors(spec: &SceneSpec, of_hub: impl Fn(usize) -> Vec<f64>) -> Vec<Column> {
-    let column = |m: usize| {
-        Some(Column {
-            name: error_column(spec, m),
-            values: transmission_error(spec, m, &of_hub)?,
-        })
-    };
-    (1..spec.meshes.len()).filter_map(column).collect()
-}
-
-/// The channels of the history files of a run: all components of forces, torques, hub speeds, transmission errors of
-/// further meshes, tooth pairs and events.
+/// The channels of the history files of a run that are not in its series: all components of forces, torques, hub speeds,
+/// tooth pairs and events.
 pub fn histories(job: &Job<'_>, scene: &Scene, history: &History) -> Histories {
     let spec = job.scene;
     let rows = &history.on_grid;
@@ -178,10 +144,7 @@ pub fn histories(job: &Job<'_>, scene: &Scene, history: &History) -> Histories {
     };
     let mut further = Vec::new();
     let mut add = |channel: Channel| {
-        further.push(Column {
-            name: channel.column(spec),
-            values: values(channel),
-        });
+        further.push(Column::new(channel.column(spec), values(channel)));
     };
     for m in 0..spec.meshes.len() {
         for what in [OfMesh::X, OfMesh::Y, OfMesh::Z] {
@@ -209,10 +172,6 @@ pub fn histories(job: &Job<'_>, scene: &Scene, history: &History) -> Histories {
     of_shafts(spec)
         .filter(|c| matches!(c, Channel::Gear(..)))
         .for_each(&mut add);
-    if !job.torques {
-        let of_hubs = |g| values(Channel::Gear(g, OfGear::Displacement));
-        further.extend(further_errors(spec, of_hubs));
-    }
     let (pairs, events) = (history.contacts.as_ref())
         .map_or_else(Default::default, |c| (c.pairs.clone(), c.events.clone()));
     Histories {
@@ -276,10 +235,14 @@ fn seen_from_carrier(
     motions
 }
 
-/// Cycles of the first mesh since the start, from the rotation of its first toothed wheel; in a planetary set relative
-/// to its carrier.
-fn mesh_cycles(scene: &SceneSpec, displacement: impl Fn(usize) -> Vec<f64>) -> Option<Vec<f64>> {
-    let mesh = scene.meshes.first()?;
+/// Cycles of a mesh since the start, from the rotation of its first toothed wheel; in a planetary set relative to its
+/// carrier.
+fn mesh_cycles(
+    scene: &SceneSpec,
+    mesh: usize,
+    displacement: impl Fn(usize) -> Vec<f64>,
+) -> Option<Vec<f64>> {
+    let mesh = scene.meshes.get(mesh)?;
     let turns = seen_from_carrier(scene, mesh, displacement);
     let (teeth, mut turn) =
         (mesh.gears.into_iter().zip(turns)).find_map(|(g, turn)| match &scene.gears[g].body {
@@ -299,25 +262,28 @@ const HAMMERING: [f64; 2] = [0.25, 0.75];
 /// recorded.
 const TURNING: f64 = 0.5;
 
-/// Columns of each mesh: position of the tooth in the backlash, if it crosses the backlash, and error of the speed
-/// ratio, if both gears keep rotating.
+/// Columns of each mesh: transmission error, mesh cycles, position of the tooth in the backlash, if it crosses the
+/// backlash, and error of the speed ratio, if both gears keep rotating.
 fn motion_columns(spec: &SceneSpec, of_gear: &impl Fn(usize, OfGear) -> Vec<f64>) -> Vec<Column> {
-    let mut found = Vec::new();
-    for (m, mesh) in spec.meshes.iter().enumerate() {
-        let further = (m > 0).then(|| spec.names_of(mesh.gears));
-        let mut add = |what: &str, values: Vec<f64>| {
-            let name = mesh_column(what, "", further);
-            found.push(Column { name, values });
+    let displacement = |g: usize| of_gear(g, OfGear::Displacement);
+    let of_mesh = |(m, mesh): (usize, &MeshSpec)| {
+        let names = spec.names_of(mesh.gears);
+        let column = move |quantity: Quantity, values: Option<Vec<f64>>| {
+            Some(Column::new(quantity.of_mesh(&names), values?))
         };
-        let place = backlash_position(spec, m, |g| of_gear(g, OfGear::Displacement));
-        if let Some(values) = place {
-            add(BACKLASH_POSITION, values);
-        }
-        if let Some(values) = speed_ratio_error(spec, m, |g| of_gear(g, OfGear::HubSpeed)) {
-            add(SPEED_RATIO_ERROR, values);
-        }
-    }
-    found
+        let speed_ratio = speed_ratio_error(spec, m, |g| of_gear(g, OfGear::HubSpeed));
+        [
+            column(
+                TRANSMISSION_ERROR,
+                transmission_error(spec, m, displacement),
+            ),
+            column(MESH_CYCLE, mesh_cycles(spec, m, displacement)),
+            column(BACKLASH_POSITION, backlash_position(spec, m, displacement)),
+            column(SPEED_RATIO_ERROR, speed_ratio),
+        ]
+    };
+    let all = spec.meshes.iter().enumerate().flat_map(of_mesh);
+    all.flatten().collect()
 }
 
 fn span(values: &[f64]) -> [f64; 2] {
@@ -380,21 +346,19 @@ fn tooth_columns(
             most.copied().unwrap_or_default()
         };
         let teeth: Vec<SprungTooth> = history.time.iter().map(at).collect();
-        let of_deflection = if matches!(gear.body, Body::Rack(_)) {
-            "m"
-        } else {
-            "rad"
+        let deflection = match gear.body {
+            Body::Rack(_) => TOOTH_DEFLECTION.in_unit("m"),
+            Body::Gear(_) => TOOTH_DEFLECTION,
         };
         type ToothField = fn(&SprungTooth) -> f64;
-        let quantities: [(&str, &str, ToothField); 4] = [
-            (TOOTH_DEFLECTION, of_deflection, |t| t.deflection),
-            (TOOTH_RADIAL_FORCE, "n", |t| t.radial_n),
-            (TOOTH_TANGENTIAL_FORCE, "n", |t| t.tangential_n),
-            (TOOTH_SPRING_FORCE, "n", |t| t.spring_n),
+        let quantities: [(Quantity, ToothField); 4] = [
+            (deflection, |t| t.deflection),
+            (TOOTH_RADIAL_FORCE, |t| t.radial_n),
+            (TOOTH_TANGENTIAL_FORCE, |t| t.tangential_n),
+            (TOOTH_SPRING_FORCE, |t| t.spring_n),
         ];
-        found.extend(quantities.map(|(what, unit, value)| Column {
-            name: format!("{what}_{}_{unit}", gear.name),
-            values: teeth.iter().map(value).collect(),
+        found.extend(quantities.map(|(quantity, value)| {
+            Column::new(quantity.of(&gear.name), teeth.iter().map(value).collect())
         }));
     }
     found

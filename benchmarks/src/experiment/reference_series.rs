@@ -1,15 +1,14 @@
 //! Conversion of references to the form of records.
 //!
-//! A record has one series over the times of the contact force, else of the longest history, and a further series for the
-//! histories on each other axis of times. A column that the reference does not have is empty.
+//! A record has one series over the times of the contact force, else of the longest history, and one for the histories on
+//! each other axis of times.
 
-use super::record::error_column;
 use crate::scene_file::references::subjects;
 use gearbench_models::scene::{Channel, OfGear, OfMesh};
 use gearbench_models::spec::SceneSpec;
 use gearbench_reference::data::{self, Quantity, Reference};
 use gearbench_reports::record::ReferenceSeries;
-use gearbench_reports::series::{Column, TimeSeries};
+use gearbench_reports::series::{Column, SPEED, TRANSMISSION_ERROR, TimeSeries};
 use std::cmp::Reverse;
 
 /// Converts a reference to the form of the record of a scene.
@@ -46,30 +45,24 @@ pub fn recorded(r: &Reference, scene: &SceneSpec) -> ReferenceSeries {
 
 /// Adds a history to the series with the same times.
 fn add_channel(series: &mut TimeSeries, channel: &data::Channel, scene: &SceneSpec) {
-    let values = channel.value.clone();
+    let mut values = channel.value.clone();
     let name = match channel.quantity {
-        Quantity::Force(0) => {
-            series.contact_force_n = values;
-            return;
+        // A rack as its mate would turn.
+        Quantity::Speed(g) => {
+            let subjects = subjects(scene);
+            let gear = &subjects.gears[g];
+            let radius = gear.slides.unwrap_or(1.0);
+            values.iter_mut().for_each(|v| *v /= radius);
+            SPEED.of(&gear.name)
         }
-        // The first two gears have columns of their own, a rack as its mate would turn.
-        Quantity::Speed(g) if g < 2 => {
-            let radius = subjects(scene).gears.get(g).and_then(|g| g.slides);
-            let turning = values.iter().map(|v| v / radius.unwrap_or(1.0)).collect();
-            let column = match g {
-                0 => &mut series.omega1_rad_s,
-                _ => &mut series.omega2_rad_s,
-            };
-            *column = turning;
-            return;
-        }
-        Quantity::TransmissionError(m) if m < scene.meshes.len() => error_column(scene, m),
-        Quantity::TransmissionError(_) => return,
+        Quantity::TransmissionError(m) => match scene.meshes.get(m) {
+            Some(mesh) => TRANSMISSION_ERROR.of_mesh(&scene.names_of(mesh.gears)),
+            None => return,
+        },
         Quantity::Force(m) => Channel::Mesh(m, OfMesh::Force).column(scene),
-        Quantity::Speed(g) => Channel::Gear(g, OfGear::Speed).column(scene),
         Quantity::Angle(g) => Channel::Gear(g, OfGear::Displacement).column(scene),
         Quantity::Torque(g) => Channel::Gear(g, OfGear::ContactTorque).column(scene),
         Quantity::MountTorque(g) => Channel::Gear(g, OfGear::MountTorque).column(scene),
     };
-    series.columns.push(Column { name, values });
+    series.columns.push(Column::new(name, values));
 }

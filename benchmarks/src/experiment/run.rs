@@ -61,8 +61,7 @@ pub struct Job<'a> {
     pub also_steps: bool,
     /// True if the components of contact and bearing forces are recorded.
     pub forces: bool,
-    /// True if torques and further transmission errors are recorded, which references may contain besides forces and
-    /// speeds.
+    /// True if torques are recorded, which references may contain besides forces and speeds.
     pub torques: bool,
     /// True if the paths of torque and power are computed, also of a pair without shafts.
     pub paths: bool,

@@ -304,7 +304,7 @@ impl<E: ModelRefusal> WorkError<E> {
 fn numbers_of(row: &Run) -> usize {
     let of_series = |s: &TimeSeries| {
         let force = s.force.as_ref().map_or(0, ForceHistory::len);
-        s.len() * (4 + s.columns.len()) + 2 * force
+        s.len() * (1 + s.columns.len()) + 2 * force
     };
     let own = row.series.as_ref().map_or(0, of_series);
     let whole = row.histories.as_ref().map_or(0, |h| {

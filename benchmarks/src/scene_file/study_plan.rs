@@ -7,7 +7,7 @@ use super::reading::Place;
 use super::reading::keys::keys;
 use super::reading::suggest::there_are;
 use super::reading::values::{
-    Count, Distinct, Label, Method, MetricKey, OneOrMany, Positive, Share, is_default,
+    Count, Distinct, Label, Method, MetricKey, OneOrMany, Positive, QuantityKey, Share, is_default,
 };
 use super::references::NamedReference;
 use crate::studies::compare::REFINED;
@@ -37,8 +37,8 @@ keys! {
         events: Option<bool>,
         /// samples of the histories over the duration, default 2000, which are enough for a chart
         samples: Option<Count<2, 1_000_000>>,
-        /// metrics of interest, default all, for example ["force_l2_aligned", "peak_force_n"]
-        quantities: Option<Distinct<MetricKey>>,
+        /// metrics of interest, default all, for example ["force_l2_aligned", "peak_force_n", "speeds_end"]
+        quantities: Option<Distinct<QuantityKey>>,
         /// label of a model whose run the others are compared with, in addition to the scene's reference
         reference_model: Option<Label>,
         /// frequency above which the force of each mesh of a scene with several counts as ripple, for example 25e3
@@ -168,8 +168,8 @@ pub(super) fn study(
         events: keys.events.unwrap_or(true),
         samples: keys.samples.map_or(DEFAULT_SAMPLES, |n| n.0),
         quantities: (keys.quantities.into_iter())
-            .flat_map(|metrics| metrics.0)
-            .map(|m| m.0)
+            .flat_map(|quantities| quantities.0)
+            .filter_map(QuantityKey::metric)
             .collect(),
         reference_model: keys.reference_model.map(|l| l.0),
         ripple_above: keys.ripple_above_hz.map(|f| f.0),

@@ -20,6 +20,7 @@ use gearbench_models::spec::{Body, Load, Mount, Profile, base_radius};
 use gearbench_reference::statics::{Load as StaticLoad, LoadedPair, MeshCycle};
 use gearbench_reports::record::{MeshMode, Run, Steady};
 use gearbench_reports::response::GroupResponse;
+use gearbench_reports::series::TRANSMISSION_ERROR;
 use gearbench_reports::sweep::Branch;
 use std::f64::consts::TAU;
 
@@ -148,8 +149,8 @@ fn error_at_the_start(scene: &SceneFile) -> f64 {
         ..job
     });
     let series = made.unwrap().series.unwrap();
-    let column = (series.columns.iter()).find(|c| c.name == "transmission_error_m");
-    column.unwrap().values[0]
+    let (_, error) = series.all_of(TRANSMISSION_ERROR).next().unwrap();
+    error[0]
 }
 
 /// A mesh cycle at rest under a torque on the first gear.

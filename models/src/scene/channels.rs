@@ -173,24 +173,18 @@ impl OfGear {
 }
 
 impl Channel {
-    /// Returns the column name in a record, with its unit: quantities of the first mesh have no suffix, those of
-    /// others the names of their gears.
+    /// Returns the column name in a record: quantity, name of the gear or names of both gears of the mesh, unit.
     pub fn column(self, scene: &SceneSpec) -> String {
         match self {
             Channel::Mesh(m, what) => {
                 let quantity = match what {
                     OfMesh::Force => "contact_force",
-                    OfMesh::Transverse => "contact_force_transverse",
+                    OfMesh::Transverse => "transverse_force",
                     other => other.name(),
                 };
-                let of = match scene.meshes.get(m) {
-                    Some(mesh) if m > 0 => {
-                        let [a, b] = scene.names_of(mesh.gears);
-                        format!("_{a}_{b}")
-                    }
-                    _ => String::new(),
-                };
-                format!("{quantity}{of}_{}", what.unit())
+                let mesh = scene.meshes.get(m);
+                let [a, b] = mesh.map_or_else(Default::default, |m| scene.names_of(m.gears));
+                format!("{quantity}_{a}_{b}_{}", what.unit())
             }
             Channel::ShaftTorque(span) => {
                 let spans = scene.shafts.iter().flat_map(|s| {

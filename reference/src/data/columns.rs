@@ -57,12 +57,13 @@ fn names(role: Role, subjects: &Subjects) -> Vec<(String, ForceKind)> {
     let normal = |names: Vec<String>| -> Vec<(String, ForceKind)> {
         names.into_iter().map(|n| (n, ForceKind::Normal)).collect()
     };
+    // Names without gears are of the first mesh.
     let of_mesh = |m: usize, words: &[&str]| -> Vec<String> {
-        let ending = match subjects.meshes.get(m) {
-            Some(mesh) if m > 0 => format!("_{}_{}", mesh.gears[0], mesh.gears[1]),
-            _ => String::new(),
-        };
-        words.iter().map(|w| format!("{w}{ending}")).collect()
+        let [a, b] = (subjects.meshes.get(m))
+            .map_or(["", ""], |mesh| mesh.gears.each_ref().map(String::as_str));
+        let named = words.iter().map(|w| format!("{w}_{a}_{b}"));
+        let of_first = words.iter().filter(|_| m == 0).map(|w| (*w).to_owned());
+        named.chain(of_first).collect()
     };
     let of_gear = |g: usize, words: &[&str], by_number: &[&str]| -> Vec<String> {
         let name = subjects.gears.get(g).map_or("", |g| g.name.as_str());
@@ -81,7 +82,12 @@ fn names(role: Role, subjects: &Subjects) -> Vec<(String, ForceKind)> {
                 m,
                 &["contact_force", "force", "normal_force", "fn"],
             ));
-            let transverse = of_mesh(m, &["contact_force_transverse", "force_transverse"]);
+            let words = [
+                "transverse_force",
+                "contact_force_transverse",
+                "force_transverse",
+            ];
+            let transverse = of_mesh(m, &words);
             all.extend(transverse.into_iter().map(|n| (n, ForceKind::Transverse)));
             all
         }

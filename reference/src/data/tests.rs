@@ -118,6 +118,12 @@ fn columns_are_known_by_their_names() {
         all,
         [Force(0), TransmissionError(0), Speed(0), Angle(0), Speed(1)]
     );
+    // Names of gears come before names without, which are of the first mesh.
+    let named = "time_s,contact_force_n,contact_force_pinion_wheel_n,transverse_force_pinion_wheel_n,speed_wheel_rad_s\n\
+        0,1,4,4,0\n1,2,5,5,1\n2,3,6,6,2\n";
+    let found = plain(named).unwrap();
+    near(values(&found, Force(0)).1, &[4.0, 5.0, 6.0]);
+    near(values(&found, Speed(1)).1, &[0.0, 1.0, 2.0]);
     let units_below = "t\tforce\tspeed pinion\nms\tkN\trpm\n0\t1\t30\n1\t2\t60\n2\t3\t90\n";
     let found = plain(units_below).unwrap();
     near(values(&found, Speed(0)).1, &[PI, 2.0 * PI, 3.0 * PI]);

@@ -67,12 +67,6 @@ fn metrics(view: &View<'_>) -> Markup {
     }
     let of = |id: &str| {
         let get = |m: Metric| move |(r, ..): &Row<'_>| r.against(id)?.get(m);
-        let four = |m: Metric| {
-            move |(r, ..): &Row<'_>| {
-                let x = r.against(id)?.get(m).filter(|x| x.is_finite())?;
-                Some(significant(x, 4))
-            }
-        };
         let mut table = identified(&rows);
         // The errors of whole histories, then those of single numbers.
         for m in Metric::ALL.into_iter().filter(|m| m.is_error()) {
@@ -95,7 +89,7 @@ fn metrics(view: &View<'_>) -> Markup {
                     .map_or_else(String::new, ToString::to_string)
             });
         }
-        table
+        let table = table
             .numbers("Shift in time", "s", 3, get(Metric::TimeShift))
             .numbers("Peak force", "N", 4, get(Metric::PeakForce))
             .numbers("Rms force", "N", 4, get(Metric::RmsForce))
@@ -106,9 +100,16 @@ fn metrics(view: &View<'_>) -> Markup {
                 4,
                 get(Metric::TransmissionErrorSpan),
             )
-            .numbers("Time in contact", "s", 4, get(Metric::Duration))
-            .written("Last \u{3c9}1", "rad/s", four(Metric::Omega1End))
-            .written("Last \u{3c9}2", "rad/s", four(Metric::Omega2End))
+            .numbers("Time in contact", "s", 4, get(Metric::Duration));
+        // As in the chart of the speeds, gears have their numbers in the scene.
+        let gears = runs::gears_of(rows.iter().map(|(r, ..)| *r)).into_iter();
+        gears.enumerate().fold(table, |table, (i, gear)| {
+            let speed = move |(r, ..): &Row<'_>| {
+                let x = r.against(id)?.speed_end(&gear).filter(|x| x.is_finite())?;
+                Some(significant(x, 4))
+            };
+            table.written(&format!("Last \u{3c9}{}", i + 1), "rad/s", speed)
+        })
     };
     html! {
         @for id in &ids {

@@ -1,18 +1,30 @@
 //! A force history as the metrics use it: peak, impulse, duration, and the distance between two histories.
 
 use crate::force::{ForceHistory, Piece, gauss, minimum};
-use crate::series::TimeSeries;
+use crate::series::{CONTACT_FORCE, TimeSeries};
 use std::borrow::Cow;
 
-/// Returns the force of a series: the pieces of the run where it has them, else its samples joined by lines.
-pub(super) fn force_of(series: &TimeSeries) -> Cow<'_, ForceHistory> {
-    match &series.force {
+/// Returns the pieces of the contact force of a mesh, which the first mesh of a run has; the mesh is given by the names of
+/// its gears, `_` between them.
+pub(super) fn pieces_of<'s>(series: &'s TimeSeries, mesh: &str) -> Option<&'s ForceHistory> {
+    let is_first = series.first_mesh().is_none_or(|(first, _)| first == mesh);
+    series.force.as_ref().filter(|_| is_first)
+}
+
+/// Returns the contact force of a mesh: its pieces where it has them, else its samples joined by lines.
+pub(super) fn force_of<'s>(series: &'s TimeSeries, mesh: &str) -> Cow<'s, ForceHistory> {
+    match pieces_of(series, mesh) {
         Some(force) => Cow::Borrowed(force),
         None => Cow::Owned(ForceHistory::polyline(
             &series.time_s,
-            &series.contact_force_n,
+            samples_of(series, mesh),
         )),
     }
+}
+
+/// Returns the samples of the contact force of a mesh; empty where the series does not have it.
+pub(super) fn samples_of<'s>(series: &'s TimeSeries, mesh: &str) -> &'s [f64] {
+    series.of(CONTACT_FORCE, mesh).unwrap_or_default()
 }
 
 /// A force up to a time.
@@ -142,10 +154,11 @@ pub(super) enum Target<'a> {
 }
 
 impl<'a> Target<'a> {
-    /// Returns the force of a reference: pieces where it has them, else its samples up to the first that is not finite.
-    pub fn of(series: &'a TimeSeries) -> Self {
-        let (t, y) = (&series.time_s, &series.contact_force_n);
-        match &series.force {
+    /// Returns the force of a mesh of a reference: pieces where it has them, else its samples up to the first that is not
+    /// finite.
+    pub fn of(series: &'a TimeSeries, mesh: &str) -> Self {
+        let (t, y) = (&series.time_s, samples_of(series, mesh));
+        match pieces_of(series, mesh) {
             Some(history) => {
                 let end = t.last().copied().unwrap_or(f64::INFINITY);
                 Self::Pieces {

@@ -7,17 +7,15 @@
 //! ```
 
 use super::history::{Force, force_of};
-use crate::force::ForceHistory;
 use crate::record::{MeshForce, finite};
 use crate::series::TimeSeries;
-use std::borrow::Cow;
 use std::f64::consts::TAU;
 
 /// Largest number of times at which the ripple is sampled.
 const MOST_TIMES: usize = 1 << 14;
 
 /// Returns the forces of all meshes of a run that reached its end, by the names of their gears; empty for a scene with
-/// one mesh. The force of the first mesh is piecewise polynomial, that of further meshes linear between samples.
+/// one mesh. The force of the first mesh is piecewise polynomial, those of the others are linear between samples.
 pub fn mesh_forces(
     series: &TimeSeries,
     meshes: &[[String; 2]],
@@ -27,15 +25,8 @@ pub fn mesh_forces(
     let Some((&start, &end)) = ends.filter(|_| meshes.len() > 1) else {
         return Vec::new();
     };
-    let of_mesh = |(m, gears): (usize, &[String; 2])| {
-        let history = match m {
-            0 => force_of(series),
-            _ => {
-                let samples = series.mesh_force(gears, false);
-                let polyline = samples.map(|f| ForceHistory::polyline(&series.time_s, f));
-                Cow::Owned(polyline.unwrap_or_default())
-            }
-        };
+    let of_mesh = |gears: &[String; 2]| {
+        let history = force_of(series, &gears.join("_"));
         let force = Force::until(&history, end);
         let spell = history.first_spell().filter(|[_, last]| *last < end);
         let ripple = ripple_above_hz.and_then(|f| ripple(&force, [start, end], series.len(), f));
@@ -48,7 +39,7 @@ pub fn mesh_forces(
             ripple_above_hz: ripple_above_hz.filter(|_| ripple.is_some()),
         }
     };
-    meshes.iter().enumerate().map(of_mesh).collect()
+    meshes.iter().map(of_mesh).collect()
 }
 
 /// Computes the root mean square of the force above a frequency (see the head of the module); `None` where the samples
@@ -81,7 +72,7 @@ fn ripple(force: &Force<'_>, [start, end]: [f64; 2], samples: usize, above: f64)
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::series::{Column, mesh_column};
+    use crate::series::{CONTACT_FORCE, Column};
 
     /// The second mesh bears 100 N for a quarter of a second, then a ripple of 20 N at 40 Hz about 50 N to the end; the third
     /// never touches.
@@ -97,21 +88,14 @@ mod tests {
             t if t < 0.5 => 0.0,
             t => 50.0 + 20.0 * (TAU * 40.0 * t).sin(),
         };
-        let column = |i: usize, values: Vec<f64>| Column {
-            name: mesh_column("contact_force", "_n", Some([&meshes[i][0], &meshes[i][1]])),
-            values,
-        };
-        let series = TimeSeries {
-            contact_force_n: vec![30.0; times.len()],
-            omega1_rad_s: vec![0.0; times.len()],
-            omega2_rad_s: vec![0.0; times.len()],
-            columns: vec![
-                column(1, times.iter().map(second).collect()),
-                column(2, vec![0.0; times.len()]),
-            ],
-            time_s: times,
-            force: None,
-        };
+        let column =
+            |i: usize, values: Vec<f64>| Column::new(CONTACT_FORCE.of_mesh(&meshes[i]), values);
+        let columns = vec![
+            column(0, vec![30.0; times.len()]),
+            column(1, times.iter().map(second).collect()),
+            column(2, vec![0.0; times.len()]),
+        ];
+        let series = TimeSeries::new(times, columns).unwrap();
         let [first, second, third] = &mesh_forces(&series, &meshes, Some(30.0))[..] else {
             panic!("three meshes")
         };

@@ -38,11 +38,7 @@ words! {
         ImpulseRel = "impulse_rel",
         /// Time in contact \[s\].
         Duration = "duration_s",
-        /// Last angular velocity of gear 1.
-        Omega1End = "omega1_end",
-        /// Last angular velocity of gear 2.
-        Omega2End = "omega2_end",
-        /// Largest deviation of a last speed, over the span of that speed.
+        /// Largest deviation of a last speed of a gear, over the span of that speed.
         #[serde(alias = "rebound")]
         Rebound = "rebound_rel",
         /// Relative L2 error of the transmission error.
@@ -102,8 +98,6 @@ impl Metric {
             Self::Impulse => ("impulse", "N s", None),
             Self::ImpulseRel => ("impulse error", "", Some("impulse")),
             Self::Duration => ("contact duration", "s", None),
-            Self::Omega1End => ("last speed of gear 1", "rad/s", None),
-            Self::Omega2End => ("last speed of gear 2", "rad/s", None),
             Self::Rebound => ("rebound error", "", Some("rebound")),
             Self::TransmissionError => ("transmission-error error", "", Some("transmission-error")),
             Self::TransmissionErrorSpan => ("peak-to-peak transmission error", "m", None),
@@ -144,9 +138,7 @@ impl Metric {
             Self::Impulse => "impulse of the contact force",
             Self::ImpulseRel => "error of the impulse",
             Self::Duration => "time with more than 1e-6 of the greatest contact force",
-            Self::Omega1End => "final angular velocity of gear 1",
-            Self::Omega2End => "final angular velocity of gear 2",
-            Self::Rebound => "greatest error of a final speed over the range of that speed",
+            Self::Rebound => "greatest error of the final speed of a gear over the range of that speed",
             Self::TransmissionError => "relative L2 error of the transmission error, of the worst mesh",
             Self::TransmissionErrorSpan => "peak to peak of the transmission error",
             Self::TransmissionErrorSpanRel => "error of the peak to peak of the transmission error",

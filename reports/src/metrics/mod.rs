@@ -18,10 +18,12 @@
 //! torque_peak_rel  = max |M| / max |M_r| - 1, of the torque for which its magnitude is largest
 //! ```
 //!
-//! The transmission error e is the column [`TRANSMISSION_ERROR`], zero at first touch of rigid flanks. For further
-//! meshes it is compared at all its times, and the worst mesh counts. A metric whose quantity the reference lacks is
-//! absent; without a force the transmission error is compared at all its times. T is the duration of the reference.
-//! Angles and torques are compared with external references only (`columns.rs`).
+//! The contact force is that of the first mesh of the scene; the forces of all meshes are in
+//! [`MeshForce`](crate::record::MeshForce). The rebound error is the largest over all gears whose speeds both sides have,
+//! `transmission_error_l2` the largest over all meshes likewise, with f_r the force of the mesh; the other metrics of the
+//! transmission error are those of the first mesh. A metric whose quantity the reference lacks is absent; without a force the
+//! transmission error is compared at all its times. T is the duration of the reference. Angles and torques are compared
+//! with external references only (`columns.rs`).
 //!
 //! **Integrals.** Forces of runs are polynomials between located events, with both sides of every jump
 //! ([`ForceHistory`](crate::force::ForceHistory)). Between two runs, integrals are Gauss quadratures over the union of
@@ -50,21 +52,14 @@ pub mod orders;
 pub use metric::Metric;
 
 use crate::record::{Ledger, Metrics, finite};
-use crate::series::{TimeSeries, resample};
+use crate::series::{SPEED, TRANSMISSION_ERROR, TimeSeries, resample};
 pub(crate) use columns::at_times;
 pub(crate) use history::trapezoid_weights;
-use history::{Force, Target, force_of, last_finite};
+use history::{Force, Target, force_of, last_finite, samples_of};
 use orders::CycleHistory;
 
 /// Part of the peak force above which teeth count as in contact [-].
 pub const CONTACT_THRESHOLD: f64 = 1e-6;
-
-/// Name of the column of the transmission error \[m\], `r_b1 theta_1 + r_b2 theta_2` in the transverse plane, zero at
-/// first touch of the flanks of rigid gears.
-pub const TRANSMISSION_ERROR: &str = "transmission_error_m";
-
-/// Name of the column that counts the cycles of the first mesh since the start.
-pub const MESH_CYCLE: &str = "mesh_cycle";
 
 /// Histories and ledger of a run that reached its end, as input of the metrics; other runs have none.
 #[derive(Clone, Copy, Debug)]
@@ -113,20 +108,24 @@ impl<'a> FinishedRun<'a> {
 /// from the run's ledger.
 pub fn compare(run: FinishedRun<'_>, reference: &TimeSeries, against: &str) -> Metrics {
     let FinishedRun { series, ledger } = run;
-    let target = Target::of(reference);
+    let mesh = series.first_mesh().map_or("", |(mesh, _)| mesh);
+    let target = Target::of(reference, mesh);
+    let has_force = !samples_of(reference, mesh).is_empty();
     // A run cannot be compared after the end of its reference.
-    let window = match reference.contact_force_n.is_empty() {
-        true => reference.time_s.last().copied().unwrap_or(f64::INFINITY),
-        false => target.end(),
+    let window = match has_force {
+        false => reference.time_s.last().copied().unwrap_or(f64::INFINITY),
+        true => target.end(),
     };
-    let history = force_of(series);
+    let history = force_of(series, mesh);
     let run = Force::until(&history, window);
     let known = series.time_s.partition_point(|&t| t <= window);
-    let end = |column: &[f64]| last_finite(&column[..known.min(column.len())]);
+    let end = |(gear, speed): (&str, &[f64])| {
+        let last = last_finite(&speed[..known.min(speed.len())])?;
+        Some((gear.to_owned(), last))
+    };
     let mut metrics = Metrics {
         against: against.to_owned(),
-        omega1_end: end(&series.omega1_rad_s),
-        omega2_end: end(&series.omega2_rad_s),
+        speeds_end: series.all_of(SPEED).filter_map(end).collect(),
         energy_drift_rel: ledger.residual_rel.and_then(finite),
         ..Metrics::default()
     };
@@ -140,7 +139,8 @@ pub fn compare(run: FinishedRun<'_>, reference: &TimeSeries, against: &str) -> M
     let lasts = window.min(series.time_s[known - 1]) - series.time_s[0];
     let rms = |force: &Force<'_>| (force.square() / lasts).sqrt();
     metrics.rms_force_n = finite(rms(&run));
-    metrics.transmission_error_pp_m = span_of_transmission_error(series, window);
+    let span_of_error = |of: &TimeSeries| span_until(of, of.of(TRANSMISSION_ERROR, mesh)?, window);
+    metrics.transmission_error_pp_m = span_of_error(series);
     let over_cycles = CycleHistory::of_run(series);
     if let Some(own) = &over_cycles
         && let Some(whole) = CycleHistory::whole([own])
@@ -151,17 +151,14 @@ pub fn compare(run: FinishedRun<'_>, reference: &TimeSeries, against: &str) -> M
     if reference.len() < 2 {
         return metrics;
     }
-    let whole = force_of(reference);
+    let whole = force_of(reference, mesh);
     let whole = Force::until(&whole, window);
     metrics.peak_force_rel = finite(deviation(peak, whole.peak().0));
     metrics.impulse_rel = finite(deviation(impulse, whole.impulse()));
-    if !reference.contact_force_n.is_empty() {
+    if has_force {
         metrics.rms_force_rel = finite(deviation(rms(&run), rms(&whole)));
     }
-    let spans = (
-        metrics.transmission_error_pp_m,
-        span_of_transmission_error(reference, window),
-    );
+    let spans = (metrics.transmission_error_pp_m, span_of_error(reference));
     if let (Some(own), Some(wanted)) = spans {
         metrics.transmission_error_pp_rel = finite(deviation(own, wanted));
     }
@@ -173,10 +170,10 @@ pub fn compare(run: FinishedRun<'_>, reference: &TimeSeries, against: &str) -> M
         metrics.transmission_error_l2_aligned = finite(errors.aligned);
     }
     metrics.rebound_rel = rebound(series, reference, window);
-    metrics.transmission_error_l2 = larger(
-        transmission_error(series, reference, whole.peak().0),
-        columns::transmission_errors(series, reference),
-    );
+    let errors = reference.all_of(TRANSMISSION_ERROR);
+    metrics.transmission_error_l2 = errors
+        .map(|(mesh, _)| transmission_error(series, reference, mesh, window))
+        .fold(None, larger);
     if reference.force.is_none() {
         metrics.angle_l2 = columns::worst(series, reference, columns::is_angle);
         metrics.torque_l2 = columns::worst(series, reference, columns::is_torque);
@@ -244,11 +241,10 @@ fn larger(a: Option<f64>, b: Option<f64>) -> Option<f64> {
     }
 }
 
-/// Computes the peak to peak of the transmission error up to a time \[m\]; `None` where it was not recorded.
-fn span_of_transmission_error(series: &TimeSeries, until: f64) -> Option<f64> {
-    let column = series.column(TRANSMISSION_ERROR)?;
+/// Computes the peak to peak of a history up to a time.
+fn span_until(series: &TimeSeries, history: &[f64], until: f64) -> Option<f64> {
     let known = series.time_s.partition_point(|&t| t <= until);
-    let values = column.iter().take(known).filter(|x| x.is_finite());
+    let values = history.iter().take(known).filter(|x| x.is_finite());
     let (least, most) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| {
         (a.min(*x), b.max(*x))
     });
@@ -262,16 +258,14 @@ const HELD: f64 = 1e-6;
 /// reference does.
 fn rebound(series: &TimeSeries, reference: &TimeSeries, window: f64) -> Option<f64> {
     let reached = series.time_s.last()? >= &(window * (1.0 - 1e-9));
-    let gears = [
-        (&series.omega1_rad_s, &reference.omega1_rad_s),
-        (&series.omega2_rad_s, &reference.omega2_rad_s),
-    ];
+    let both = |(gear, own)| Some((own, reference.of(SPEED, gear)?));
+    let gears: Vec<(&[f64], &[f64])> = series.all_of(SPEED).filter_map(both).collect();
     let span = |x: &[f64]| {
         let finite = || x.iter().copied().filter(|x| x.is_finite());
         finite().fold(f64::MIN, f64::max) - finite().fold(f64::MAX, f64::min)
     };
     let largest = gears.iter().map(|(_, r)| span(r)).fold(0.0, f64::max);
-    let last = |(run, r): &(&Vec<f64>, &Vec<f64>)| {
+    let last = |(run, r): &(&[f64], &[f64])| {
         let n = series.time_s.partition_point(|&t| t <= window);
         Some(((last_finite(&run[..n.min(run.len())])? - last_finite(r)?) / span(r)).abs())
     };
@@ -285,20 +279,25 @@ fn rebound(series: &TimeSeries, reference: &TimeSeries, window: f64) -> Option<f
 /// Times that both sides must have recorded before others are left out.
 const COMMON: usize = 3;
 
-/// Computes the error of the transmission error (see the head of the module); `None` where a side has no such column.
-/// It is evaluated at the times that both recorded, where neither is interpolated; where these are too few, at those of
-/// the reference.
-fn transmission_error(series: &TimeSeries, reference: &TimeSeries, peak: f64) -> Option<f64> {
-    let column = |s: &'_ TimeSeries| {
-        let found = s.column(TRANSMISSION_ERROR)?;
-        (found.len() == s.time_s.len() && s.time_s.len() > 1).then(|| found.to_vec())
-    };
-    let (own, wanted) = (column(series)?, column(reference)?);
+/// Computes the error of the transmission error of a mesh (see the head of the module); `None` where a side has no such
+/// column. It is evaluated at the times that both recorded, where neither is interpolated; where these are too few, at
+/// those of the reference.
+fn transmission_error(
+    series: &TimeSeries,
+    reference: &TimeSeries,
+    mesh: &str,
+    window: f64,
+) -> Option<f64> {
+    fn column<'s>(s: &'s TimeSeries, mesh: &str) -> Option<&'s [f64]> {
+        let found = s.of(TRANSMISSION_ERROR, mesh)?;
+        (found.len() == s.time_s.len() && s.time_s.len() > 1).then_some(found)
+    }
+    let (own, wanted) = (column(series, mesh)?, column(reference, mesh)?);
     let n = reference.finite_len();
+    let force = samples_of(reference, mesh);
+    let peak = Force::until(&force_of(reference, mesh), window).peak().0;
     // Without a force the times of contact are not known, and all times count.
-    let acts = |&i: &usize| {
-        (reference.contact_force_n.get(i)).is_none_or(|f| *f > CONTACT_THRESHOLD * peak)
-    };
+    let acts = |&i: &usize| force.get(i).is_none_or(|f| *f > CONTACT_THRESHOLD * peak);
     let mut common: Vec<usize> = Vec::new();
     let mut next = 0;
     for (i, t) in reference.time_s[..n].iter().enumerate() {
@@ -314,7 +313,7 @@ fn transmission_error(series: &TimeSeries, reference: &TimeSeries, peak: f64) ->
     }
     let times: Vec<f64> = common.iter().map(|&i| reference.time_s[i]).collect();
     let mut found = Vec::with_capacity(times.len());
-    resample(&series.time_s, &own, &times, 0.0, &mut found);
+    resample(&series.time_s, own, &times, 0.0, &mut found);
     let (mut missed, mut norm) = (0.0, 0.0);
     let weights = trapezoid_weights(&times);
     for ((i, w), e) in common

@@ -15,8 +15,7 @@
 
 use super::columns::at_times;
 use super::history::trapezoid_weights;
-use super::{MESH_CYCLE, TRANSMISSION_ERROR};
-use crate::series::TimeSeries;
+use crate::series::{MESH_CYCLE, Quantity, TRANSMISSION_ERROR, TimeSeries};
 use std::f64::consts::TAU;
 
 /// Number of orders whose amplitudes a record keeps.
@@ -50,39 +49,41 @@ impl Order {
     }
 }
 
-/// Returns the values of a column that has one value per time.
-fn column<'s>(series: &'s TimeSeries, name: &str) -> Option<&'s [f64]> {
-    let values = series.column(name)?;
+/// Returns the history of a quantity of a mesh if it has one value per time.
+fn column<'s>(series: &'s TimeSeries, quantity: Quantity, mesh: &str) -> Option<&'s [f64]> {
+    let values = series.of(quantity, mesh)?;
     (values.len() == series.time_s.len()).then_some(values)
 }
 
 impl CycleHistory {
-    /// Returns the transmission error of a run over its own mesh cycles; `None` where it was not recorded, or where the
-    /// gears turn back by more than rounding errors.
+    /// Returns the transmission error of the first mesh of a run over its own mesh cycles; `None` where it was not recorded,
+    /// or where the gears turn back by more than rounding errors.
     pub fn of_run(series: &TimeSeries) -> Option<Self> {
-        Self::at(series, column(series, MESH_CYCLE)?)
+        let (mesh, _) = series.first_mesh()?;
+        Self::at(series, mesh, column(series, MESH_CYCLE, mesh)?)
     }
 
-    /// Returns the transmission error of a reference over its own mesh cycles, or over those of a run at the same
-    /// times.
+    /// Returns the transmission error of that mesh of a reference over its own mesh cycles, or over those of a run at the
+    /// same times.
     pub fn of_reference(series: &TimeSeries, run: &TimeSeries) -> Option<Self> {
-        let cycles = match column(series, MESH_CYCLE) {
+        let (mesh, _) = run.first_mesh()?;
+        let cycles = match column(series, MESH_CYCLE, mesh) {
             Some(own) => own.to_vec(),
             None => {
                 let last = *run.time_s.last()?;
                 let known = series.time_s.partition_point(|&t| t <= last);
                 at_times(
                     &run.time_s,
-                    column(run, MESH_CYCLE)?,
+                    column(run, MESH_CYCLE, mesh)?,
                     &series.time_s[..known],
                 )
             }
         };
-        Self::at(series, &cycles)
+        Self::at(series, mesh, &cycles)
     }
 
-    fn at(series: &TimeSeries, cycles: &[f64]) -> Option<Self> {
-        let error = column(series, TRANSMISSION_ERROR)?;
+    fn at(series: &TimeSeries, mesh: &str, cycles: &[f64]) -> Option<Self> {
+        let error = column(series, TRANSMISSION_ERROR, mesh)?;
         let (first, last) = (cycles.first()?, cycles.last()?);
         let sign = (last - first).signum();
         let mut found = Self::default();
@@ -214,15 +215,17 @@ pub fn errors(run: &CycleHistory, reference: &CycleHistory) -> Option<OrderError
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::series::Column;
+    use crate::series::{CONTACT_FORCE, Column};
 
     fn series(speed: f64, error: impl Fn(f64) -> f64, cycles: bool) -> TimeSeries {
         let time: Vec<f64> = (0..=4000).map(|i| f64::from(i) * 1e-3).collect();
-        let of = |name: &str, f: &dyn Fn(f64) -> f64| Column {
-            name: name.into(),
-            values: time.iter().map(|&t| f(t)).collect(),
+        let of = |quantity: Quantity, f: &dyn Fn(f64) -> f64| {
+            Column::new(quantity.of("a_b"), time.iter().map(|&t| f(t)).collect())
         };
-        let mut columns = vec![of(TRANSMISSION_ERROR, &|t| error(speed * t))];
+        let mut columns = vec![
+            of(CONTACT_FORCE, &|_| 0.0),
+            of(TRANSMISSION_ERROR, &|t| error(speed * t)),
+        ];
         columns.extend(cycles.then(|| of(MESH_CYCLE, &|t| speed * t)));
         TimeSeries {
             time_s: time,
@@ -274,7 +277,7 @@ mod tests {
         let short = CycleHistory::of_run(&series(0.2, wave, true)).unwrap();
         assert!(CycleHistory::whole([&short]).is_none());
         let mut back = series(2.0, wave, true);
-        for c in &mut back.columns[1].values {
+        for c in &mut back.columns[2].values {
             *c = (3.0 * *c).sin();
         }
         assert!(CycleHistory::of_run(&back).is_none());

@@ -2,11 +2,17 @@
 
 use super::*;
 use crate::record::Run;
+use crate::series::Column;
 use std::f64::consts::PI;
+
+/// Makes a series of the contact force and the speeds of a pair.
+fn pair() -> TimeSeries {
+    TimeSeries::named(["contact_force_a_b_n", "speed_a_rad_s", "speed_b_rad_s"])
+}
 
 /// Makes a half-sine of height `peak` and length `length` that starts at `start`.
 fn half_sine(start: f64, length: f64, peak: f64, h: f64) -> TimeSeries {
-    let mut s = TimeSeries::default();
+    let mut s = pair();
     for i in 0..=((4.0 * length / h) as usize) {
         let t = i as f64 * h;
         let u = (t - start) / length;
@@ -15,7 +21,7 @@ fn half_sine(start: f64, length: f64, peak: f64, h: f64) -> TimeSeries {
         } else {
             0.0
         };
-        s.push(t, f, 20.0, -f64::from(i as u32));
+        s.push(t, &[f, 20.0, -f64::from(i as u32)]);
     }
     s
 }
@@ -42,8 +48,8 @@ fn half_sine_has_its_closed_form() {
     close(m.force_l2, 0.0, 1e-15);
     close(m.force_l2_aligned, 0.0, 1e-15);
     close(m.peak_force_rel, 0.0, 0.0);
-    close(m.omega1_end, 20.0, 0.0);
-    close(m.omega2_end, -4000.0, 0.0);
+    close(m.speed_end("a"), 20.0, 0.0);
+    close(m.speed_end("b"), -4000.0, 0.0);
 }
 
 /// Two forces of zero have zero error against each other, and a force of zero is no reference for any other.
@@ -67,10 +73,8 @@ fn a_force_of_zero_agrees_with_zero() {
         (None, None, None)
     );
     // A reference without a force says nothing of it.
-    let speeds = TimeSeries {
-        contact_force_n: Vec::new(),
-        ..none.clone()
-    };
+    let mut speeds = none.clone();
+    speeds.columns.remove(0);
     let m = metrics_of(&none, &speeds, "measured");
     assert_eq!((m.force_l1, m.force_l2), (None, None));
 }
@@ -79,15 +83,13 @@ fn a_force_of_zero_agrees_with_zero() {
 fn rebound_and_transmission_error() {
     let with = |s: &mut TimeSeries, scale: f64, end: f64| {
         let n = s.len();
-        s.omega1_rad_s = (0..n)
-            .map(|i| 20.0 - 25.0 * i as f64 / (n - 1) as f64)
-            .collect();
-        s.omega2_rad_s = vec![0.0; n];
-        s.omega1_rad_s[n - 1] = end;
-        s.columns.push(crate::series::Column {
-            name: TRANSMISSION_ERROR.into(),
-            values: s.contact_force_n.iter().map(|f| scale * 1e-9 * f).collect(),
-        });
+        let speed = (0..n).map(|i| 20.0 - 25.0 * i as f64 / (n - 1) as f64);
+        s.columns[1].values = speed.collect();
+        s.columns[1].values[n - 1] = end;
+        s.columns[2].values = vec![0.0; n];
+        let error = s.contact_force().iter().map(|f| scale * 1e-9 * f).collect();
+        s.columns
+            .push(Column::new("transmission_error_a_b_m", error));
     };
     let mut r = half_sine(1e-4, 1e-4, 1000.0, 1e-7);
     let mut s = r.clone();
@@ -97,12 +99,8 @@ fn rebound_and_transmission_error() {
     close(m.rebound_rel, 0.5 / 25.0, 1e-12);
     close(m.transmission_error_l2, 0.1, 1e-12);
     // A run that stops early has no rebound; a reference without the column has no transmission error.
-    s.time_s.truncate(300);
-    s.contact_force_n.truncate(300);
-    s.omega1_rad_s.truncate(300);
-    s.omega2_rad_s.truncate(300);
-    s.columns[0].values.truncate(300);
-    r.columns.clear();
+    s.all_values_mut().for_each(|c| c.truncate(300));
+    r.columns.pop();
     let m = metrics_of(&s, &r, "fe");
     assert_eq!((m.rebound_rel, m.transmission_error_l2), (None, None));
 }
@@ -149,14 +147,7 @@ fn far_apart_impacts_are_still_aligned() {
 fn a_run_that_ends_before_its_reference_is_charged() {
     let r = half_sine(1e-4, 1e-4, 1000.0, 1e-7);
     let mut s = r.clone();
-    for column in [
-        &mut s.time_s,
-        &mut s.contact_force_n,
-        &mut s.omega1_rad_s,
-        &mut s.omega2_rad_s,
-    ] {
-        column.truncate(1501);
-    }
+    s.all_values_mut().for_each(|c| c.truncate(1501));
     let m = metrics_of(&s, &r, "fe");
     close(m.force_l2, 0.5_f64.sqrt(), 1e-3);
 }
@@ -165,7 +156,7 @@ fn a_run_that_ends_before_its_reference_is_charged() {
 fn broken_data_give_no_numbers_and_no_panic() {
     let r = half_sine(1e-4, 1e-4, 1000.0, 1e-7);
     let mut blown = r.clone();
-    for f in &mut blown.contact_force_n[1200..] {
+    for f in &mut blown.columns[0].values[1200..] {
         *f = f64::NAN;
     }
     let (empty, ledger) = (TimeSeries::default(), Ledger::default());
@@ -194,12 +185,13 @@ fn what_follows_the_reference_is_not_compared_with_it() {
     let mut run = half_sine(1e-5, 1e-4, 3000.0, 2e-7);
     let end = reference.time_s[reference.len() - 1];
     for i in 1..50 {
-        run.push(end + f64::from(i) * 1e-6, 9000.0, 5.0, 5.0);
+        run.push(end + f64::from(i) * 1e-6, &[9000.0, 5.0, 5.0]);
     }
     let m = metrics_of(&run, &reference, "calculix");
     assert!(m.peak_force_rel.is_some_and(|x| x.abs() < 1e-12), "{m:?}");
     assert!(m.impulse_rel.is_some_and(|x| x.abs() < 1e-9), "{m:?}");
-    assert_eq!(m.omega1_end, reference.omega1_rad_s.last().copied());
+    let last = reference.of(SPEED, "a").and_then(<[f64]>::last);
+    assert_eq!(m.speed_end("a"), last.copied());
 }
 
 /// A run that blew up, timed out or was stopped has no metrics, however good its beginning.
@@ -226,9 +218,9 @@ fn a_run_that_did_not_reach_its_end_is_refused() {
 
 /// Makes a force of height one in pieces, with a jump up at `start` and a jump down at `start + 1`.
 fn jumping(start: f64) -> TimeSeries {
-    let mut s = TimeSeries::default();
+    let mut s = pair();
     for i in 0..=4 {
-        s.push(f64::from(i), 0.0, 0.0, 0.0);
+        s.push(f64::from(i), &[0.0; 3]);
     }
     let mut force = crate::force::ForceHistory::default();
     for k in 0..32 {
@@ -266,11 +258,11 @@ fn a_late_jump_costs_its_delay() {
 fn samples_from_elsewhere_are_met_at_their_own_times() {
     let mut run = jumping(0.5);
     run.force = None;
-    let mut sampled = TimeSeries::default();
+    let mut sampled = pair();
     for i in 0..=400 {
         let t = 0.01 * f64::from(i);
         let f = if (0.5..1.5).contains(&t) { 1.0 } else { 0.0 };
-        sampled.push(t, f, 0.0, 0.0);
+        sampled.push(t, &[f, 0.0, 0.0]);
     }
     let mut pieces = crate::force::ForceHistory::default();
     pieces.push(&[(0.5, 1.0), (1.4999999, 1.0)]);

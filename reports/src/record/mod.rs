@@ -6,13 +6,13 @@
 //! finite, is absent: see [`finite`].
 
 pub(crate) mod checks;
+pub(crate) mod former;
 mod mesh_force;
 mod mesh_mode;
 mod paths;
 mod picture;
 mod run;
 mod source;
-pub(crate) mod version_1;
 
 use crate::metrics::Metric;
 use crate::series::TimeSeries;
@@ -240,9 +240,9 @@ pub struct ReferenceSeries {
     /// Steps of processing between the reference's file and these data, a line each.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub processing: Vec<String>,
-    /// Contact force of the reference and the columns at the same times. A column that the reference lacks is empty.
+    /// Contact force of the reference and the columns at the same times.
     pub series: TimeSeries,
-    /// Further series of the reference, at other times.
+    /// Series of the reference at other times.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub further: Vec<TimeSeries>,
 }
@@ -305,12 +305,11 @@ pub struct Metrics {
     /// Time in contact \[s\].
     #[serde(skip_serializing_if = "not_a_number")]
     pub duration_s: Option<f64>,
-    /// Last angular velocity of gear 1 [rad/s].
-    #[serde(skip_serializing_if = "not_a_number")]
-    pub omega1_end: Option<f64>,
-    /// Last angular velocity of gear 2 [rad/s].
-    #[serde(skip_serializing_if = "not_a_number")]
-    pub omega2_end: Option<f64>,
+    /// Last angular velocity of each gear, in the order of the scene [rad/s]; of a rack its speed over the pitch radius of
+    /// its mate.
+    #[serde(with = "ordered_map", skip_serializing_if = "Vec::is_empty")]
+    #[cfg_attr(test, schemars(with = "std::collections::BTreeMap<String, f64>"))]
+    pub speeds_end: Vec<(String, f64)>,
     /// Largest deviation of a gear's last speed from the reference, over the span of that speed [-].
     #[serde(skip_serializing_if = "not_a_number")]
     pub rebound_rel: Option<f64>,
@@ -349,7 +348,18 @@ pub struct Metrics {
     pub against: String,
 }
 
+/// Returns the key of the last speed of a gear in tables and baselines.
+pub fn speed_end(gear: &str) -> String {
+    format!("speed_end_{gear}_rad_s")
+}
+
 impl Metrics {
+    /// Returns the last angular velocity of a gear [rad/s].
+    pub fn speed_end(&self, gear: &str) -> Option<f64> {
+        let mut all = self.speeds_end.iter();
+        all.find_map(|(g, speed)| (g == gear).then_some(*speed))
+    }
+
     /// Returns the value of a metric.
     pub fn get(&self, metric: Metric) -> Option<f64> {
         match metric {
@@ -364,8 +374,6 @@ impl Metrics {
             Metric::Impulse => self.impulse_ns,
             Metric::ImpulseRel => self.impulse_rel,
             Metric::Duration => self.duration_s,
-            Metric::Omega1End => self.omega1_end,
-            Metric::Omega2End => self.omega2_end,
             Metric::Rebound => self.rebound_rel,
             Metric::TransmissionError => self.transmission_error_l2,
             Metric::TransmissionErrorSpan => self.transmission_error_pp_m,
@@ -429,23 +437,29 @@ pub struct Ledger {
 
 /// A list of pairs as a JSON object that keeps its order.
 mod ordered_map {
-    use serde::de::{MapAccess, Visitor};
-    use serde::{Deserializer, Serializer};
+    use serde::de::{Deserialize, MapAccess, Visitor};
+    use serde::{Deserializer, Serialize, Serializer};
+    use std::marker::PhantomData;
 
-    type Pairs = Vec<(String, String)>;
+    type Pairs<T> = Vec<(String, T)>;
 
-    pub fn serialize<S: Serializer>(pairs: &Pairs, serializer: S) -> Result<S::Ok, S::Error> {
+    pub fn serialize<S: Serializer, T: Serialize>(
+        pairs: &Pairs<T>,
+        serializer: S,
+    ) -> Result<S::Ok, S::Error> {
         serializer.collect_map(pairs.iter().map(|(k, v)| (k, v)))
     }
 
-    pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Pairs, D::Error> {
-        struct PairsVisitor;
-        impl<'de> Visitor<'de> for PairsVisitor {
-            type Value = Pairs;
+    pub fn deserialize<'de, D: Deserializer<'de>, T: Deserialize<'de>>(
+        deserializer: D,
+    ) -> Result<Pairs<T>, D::Error> {
+        struct PairsVisitor<T>(PhantomData<T>);
+        impl<'de, T: Deserialize<'de>> Visitor<'de> for PairsVisitor<T> {
+            type Value = Pairs<T>;
             fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-                f.write_str("an object of strings")
+                f.write_str("an object")
             }
-            fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Pairs, A::Error> {
+            fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Pairs<T>, A::Error> {
                 let mut pairs = Vec::new();
                 while let Some(pair) = map.next_entry()? {
                     pairs.push(pair);
@@ -453,7 +467,7 @@ mod ordered_map {
                 Ok(pairs)
             }
         }
-        deserializer.deserialize_map(PairsVisitor)
+        deserializer.deserialize_map(PairsVisitor(PhantomData))
     }
 }
 

@@ -194,7 +194,7 @@ impl Part {
 pub(crate) fn files() -> Vec<FileDescription> {
     let [n, gear, id] = ["N", "GEAR", "ID"].map(|word| [word.to_owned()]);
     vec![
-        runs::columns(&n, &id).described(),
+        runs::columns(&gear, &n, &id).described(),
         mesh_modes::columns().described(),
         compare::meshes::columns("").described(),
         compare::paths::meshes().described(),

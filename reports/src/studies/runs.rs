@@ -8,7 +8,7 @@ use crate::columns::{Columns, up_to};
 use crate::csv_table::CsvTable;
 use crate::markup::column::Format;
 use crate::metrics::{Metric, orders::KEPT};
-use crate::record::{Ledger, Results, Run};
+use crate::record::{Ledger, Results, Run, speed_end};
 use crate::studies::Study;
 
 /// Name of the file.
@@ -75,19 +75,21 @@ pub fn ledger<'a>() -> Columns<'a, &'a Ledger> {
 }
 
 /// Metrics that do not depend on a reference, so that every comparison has them.
-const RESULTS: [(&str, Metric); 8] = [
+const RESULTS: [(&str, Metric); 6] = [
     ("peak_force_n", Metric::PeakForce),
     ("rms_force_n", Metric::RmsForce),
     ("impulse_ns", Metric::Impulse),
     ("transmission_error_pp_m", Metric::TransmissionErrorSpan),
     ("time_in_contact_s", Metric::Duration),
-    ("omega1_end_rad_s", Metric::Omega1End),
-    ("omega2_end_rad_s", Metric::Omega2End),
     ("energy_drift_rel", Metric::EnergyDrift),
 ];
 
-/// Returns the columns of runs with all their scalars, for some orders and references.
-pub fn columns<'a>(orders: &[String], references: &[String]) -> Columns<'a, Row<'a>> {
+/// Returns the columns of runs with all their scalars, for some gears, orders and references.
+pub fn columns<'a>(
+    gears: &[String],
+    orders: &[String],
+    references: &[String],
+) -> Columns<'a, Row<'a>> {
     let mut columns = Columns::<Row<'_>>::of(
         RUNS,
         "Every study: one row per run with every scalar quantity of the record; columns without any value are left out.",
@@ -97,6 +99,14 @@ pub fn columns<'a>(orders: &[String], references: &[String]) -> Columns<'a, Row<
     for (key, metric) in RESULTS {
         let value = move |(_, r): &Row<'_>| r.metrics.first()?.get(metric);
         columns = columns.add(key, metric.meaning(), value);
+    }
+    for gear in gears {
+        let of = gear.clone();
+        columns = columns.add(
+            speed_end(gear),
+            "final angular velocity of the gear",
+            move |(_, r)| r.metrics.first()?.speed_end(&of),
+        );
     }
     columns = columns.numbered(
         orders,
@@ -127,6 +137,20 @@ pub fn columns<'a>(orders: &[String], references: &[String]) -> Columns<'a, Row<
         .join(work(), |(_, r)| Some(*r))
 }
 
+/// Returns the names of the gears whose last speeds runs have.
+pub(crate) fn gears_of<'r>(runs: impl IntoIterator<Item = &'r Run>) -> Vec<String> {
+    let mut gears: Vec<String> = Vec::new();
+    for (gear, _) in (runs.into_iter())
+        .flat_map(|r| &r.metrics)
+        .flat_map(|m| &m.speeds_end)
+    {
+        if !gears.contains(gear) {
+            gears.push(gear.clone());
+        }
+    }
+    gears
+}
+
 /// Returns the table of all runs of a record with all their scalars; a column in which no run has a value is left out.
 fn table(results: &Results) -> CsvTable {
     let mut references: Vec<String> = Vec::new();
@@ -135,7 +159,7 @@ fn table(results: &Results) -> CsvTable {
             references.push(m.against.clone());
         }
     }
-    let columns = columns(&up_to(KEPT), &references);
+    let columns = columns(&gears_of(&results.runs), &up_to(KEPT), &references);
     columns
         .table(results.runs.iter().enumerate())
         .without_empty_columns()

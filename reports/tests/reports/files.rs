@@ -1,6 +1,7 @@
 //! The files of a report: format, completeness, honesty.
 
 use crate::{contents, finding, has_only_numbers, holds, made_up, written};
+use gearbench_reports::series::{CONTACT_FORCE, SPEED};
 use gearbench_reports::store::{PAGE, RECORD};
 use gearbench_reports::{
     Column, ContactEvent, Histories, PairSample, Results, Run, Status, load_results, report_from,
@@ -49,8 +50,7 @@ fn the_keys_of_the_format_are_there() {
         "impulse_ns",
         "impulse_rel",
         "duration_s",
-        "omega1_end",
-        "omega2_end",
+        "speeds_end",
         "energy_drift_rel",
         "against",
     ] {
@@ -94,7 +94,7 @@ fn a_record_survives_its_file() {
         assert_eq!(a.status, b.status);
         let (a, b) = (a.series.as_ref().unwrap(), b.series.as_ref().unwrap());
         assert_eq!(a.len(), b.len());
-        for (x, y) in a.contact_force_n.iter().zip(&b.contact_force_n) {
+        for (x, y) in a.contact_force().iter().zip(b.contact_force()) {
             assert!((x - y).abs() <= 2.0 * f64::EPSILON * y.abs());
         }
     }
@@ -149,7 +149,8 @@ fn the_report_is_a_function_of_the_record() {
         ],
     );
     let csv = &first["run02-rigid-velocity-verlet.csv"];
-    assert!(csv.starts_with("time_s,contact_force_n,omega1_rad_s,omega2_rad_s\n"));
+    let header = "time_s,contact_force_pinion_wheel_n,speed_pinion_rad_s,speed_wheel_rad_s\n";
+    assert!(csv.starts_with(header));
 }
 
 /// Histories at full resolution are in files of their own and not in the record, which keeps those of the charts; files
@@ -164,7 +165,7 @@ fn whole_histories_have_files_of_their_own() {
     results.runs[1].histories = Some(Histories {
         on_grid: (0..whole.len()).step_by(10).collect(),
         further: vec![Column {
-            name: "force_x_n".into(),
+            name: "force_x_pinion_wheel_n".into(),
             values: (0..whole.len()).step_by(10).map(|i| i as f64).collect(),
         }],
         pairs: vec![PairSample {
@@ -186,7 +187,7 @@ fn whole_histories_have_files_of_their_own() {
     });
     write_results(dir.path(), &results).unwrap();
     let files = contents(dir.path());
-    assert!(!files[RECORD].contains("histories") && !files[RECORD].contains("force_x_n"));
+    assert!(!files[RECORD].contains("histories") && !files[RECORD].contains("force_x_pinion"));
     let record: serde_json::Value = serde_json::from_str(&files[RECORD]).unwrap();
     let names = ["", "-pairs", "-events"].map(|ending| format!("{stem}{ending}.csv"));
     assert_eq!(record["runs"][1]["files"], serde_json::json!(names));
@@ -333,11 +334,11 @@ fn bare_and_broken_records() {
 
     let mut unequal = made_up::impact_results();
     if let Some(series) = &mut unequal.runs[1].series {
-        series.omega1_rad_s.pop();
+        series.columns[1].values.pop();
     }
     let e = write_results(dir.path(), &unequal).unwrap_err().to_string();
     assert!(
-        e.contains("run 2 (rigid, velocity-verlet)") && e.contains("omega1_rad_s"),
+        e.contains("run 2 (rigid, velocity-verlet)") && e.contains("speed_pinion_rad_s"),
         "{e}"
     );
 }
@@ -378,4 +379,60 @@ fn records_of_schema_1_are_read() {
             .unwrap()
             .contains("hard contact")
     );
+}
+
+/// A record of a planetary set of a former version, whose first mesh and first two gears have columns without names, is
+/// read with their names, and so is the same record of schema 1.
+#[test]
+fn columns_without_gears_are_named() {
+    let stored = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/former/carrier.json");
+    let text = fs::read_to_string(stored).unwrap();
+    let former: serde_json::Value = serde_json::from_str(&text).unwrap();
+    let dir = tempfile::tempdir().unwrap();
+    for text in [text.clone(), text.replace("\"schema\": 2", "\"schema\": 1")] {
+        fs::write(dir.path().join(RECORD), text).unwrap();
+        let record = load_results(dir.path()).unwrap();
+        let names: Vec<&str> = record
+            .settings
+            .iter()
+            .map(|(name, _)| name.as_str())
+            .collect();
+        assert_eq!(names[..2], ["simulated time", "gear sun"]);
+        assert!(
+            record.references[0]
+                .series
+                .column("contact_force_sun_p1_n")
+                .is_some()
+        );
+        let (run, old) = (&record.runs[0], &former["runs"][0]);
+        let series = run.series.as_ref().unwrap();
+        let forces: Vec<&str> = series.all_of(CONTACT_FORCE).map(|(mesh, _)| mesh).collect();
+        assert_eq!(forces, ["sun_p1", "sun_p2", "p1_ring", "p2_ring"]);
+        let speeds: Vec<&str> = series.all_of(SPEED).map(|(gear, _)| gear).collect();
+        assert_eq!(speeds, ["sun", "p1", "p2", "ring"]);
+        let force: Vec<f64> =
+            serde_json::from_value(old["series"]["contact_force_n"].clone()).unwrap();
+        assert_eq!(series.contact_force(), force);
+        for name in [
+            "transmission_error_sun_p1_m",
+            "mesh_cycle_sun_p1",
+            "speed_ratio_error_sun_p1",
+            "speed_ratio_error_p1_ring",
+            "transverse_force_sun_p1_n",
+            "transverse_force_sun_p2_n",
+        ] {
+            assert!(series.column(name).is_some(), "{name}");
+        }
+        let last = &run.metrics[0].speeds_end;
+        let gears: Vec<&str> = last.iter().map(|(gear, _)| gear.as_str()).collect();
+        assert_eq!(gears, ["sun", "p1"]);
+        assert_eq!(Some(last[1].1), old["metrics"][0]["omega2_end"].as_f64());
+        report_from(dir.path()).unwrap();
+        let files = contents(dir.path());
+        assert!(files["runs.csv"].contains("speed_end_p1_rad_s"));
+        assert!(files["force.svg"].contains("p2 - ring"));
+        // What is read is a record of this version.
+        write_results(dir.path(), &record).unwrap();
+        assert_eq!(load_results(dir.path()).unwrap().runs[0].series, run.series);
+    }
 }

@@ -536,11 +536,11 @@ fn lists_of_unequal_length_are_refused_with_their_place() {
     assert!(e.contains("maps[0].axes[0].own is 99"), "{e}");
     let e = refusal(
         &made_up::impact_results(),
-        "/runs/3/series/contact_force_n",
+        "/runs/3/series/columns/0/values",
         json!([]),
     );
     assert!(
-        e.contains("series.contact_force_n has 0 entries, expected"),
+        e.contains("series: column contact_force_pinion_wheel_n has 0 samples"),
         "{e}"
     );
     let e = refusal(

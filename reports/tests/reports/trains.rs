@@ -55,7 +55,7 @@ pub fn run_up() -> Results {
             name: "mesh pinion - wheel".into(),
         }],
         channels: vec![RunUpChannel {
-            column: "transmission_error_m".into(),
+            column: "transmission_error_pinion_wheel_m".into(),
             name: "transmission error pinion - wheel".into(),
             unit: "m".into(),
             orders: vec![
@@ -84,7 +84,7 @@ pub fn run_up() -> Results {
 fn a_run_up_tells_where_its_orders_peak() {
     let files = written(&run_up());
     let names = "run_up_orders.csv run_up_spectra.csv run_up_order_spectra.csv run_up_orders_rigid.svg \
-                 run_up_rigid_transmission-error-m.svg";
+                 run_up_rigid_transmission-error-pinion-wheel-m.svg";
     holds(&files, &names.split_whitespace().collect::<Vec<_>>());
     has_only_numbers(&files);
     let page = &files["index.html"];
@@ -128,11 +128,11 @@ pub fn trains() -> Results {
         model: "rigid".into(),
         integrator: "dopri5".into(),
         series: Some(TimeSeries {
-            contact_force_n: vec![600.0; 100],
-            omega1_rad_s: vec![100.0; 100],
-            omega2_rad_s: vec![-40.0; 100],
             columns: vec![
+                column("contact_force_sun_p1_n", 600.0),
                 column("contact_force_sun_p2_n", 300.0),
+                column("speed_sun_rad_s", 100.0),
+                column("speed_p1_rad_s", -40.0),
                 column("speed_ring_rad_s", 1e-16),
             ],
             time_s: time,
@@ -232,16 +232,12 @@ fn pairs(meshes: usize) -> Results {
         let of = |m: usize, what: &str, unit: &str| {
             let [a, b] = &gears[m];
             Column {
-                name: match m {
-                    0 => format!("{what}{unit}"),
-                    _ => format!("{what}_{a}_{b}{unit}"),
-                },
+                name: format!("{what}_{a}_{b}{unit}"),
                 values: swing(size * (m + 1) as f64, 1e3 * (m + 2) as f64),
             }
         };
         let mut columns: Vec<Column> = (0..meshes)
             .flat_map(|m| [of(m, "speed_ratio_error", ""), of(m, "contact_force", "_n")])
-            .filter(|c| c.name != "contact_force_n")
             .collect();
         if model == "movable-teeth" {
             for what in [
@@ -262,9 +258,6 @@ fn pairs(meshes: usize) -> Results {
             integrator: "rk4".into(),
             simulated_s: 2e-3,
             series: Some(TimeSeries {
-                contact_force_n: swing(size, 2e3),
-                omega1_rad_s: vec![1.0; time_s.len()],
-                omega2_rad_s: vec![-1.0; time_s.len()],
                 columns,
                 time_s: time_s.clone(),
                 force: None,
@@ -328,6 +321,9 @@ fn the_meshes_of_a_model_share_a_panel() {
     assert_eq!(texts(motion, "p4 - w4"), 0);
     // Models are named by the legend.
     assert_eq!(texts(motion, "rigid (rk4)"), 1);
-    let caption = "It is that of the first mesh, p0 - w0.";
-    assert!(many["index.html"].contains(caption));
+    let force = &many["force.svg"];
+    for mesh in ["p0 - w0", "p4 - w4"] {
+        assert_eq!(texts(force, mesh), 1, "{mesh}");
+    }
+    assert_eq!(texts(force, "rigid (rk4)"), 1);
 }

@@ -72,9 +72,9 @@ impl Impact {
             };
             force.push(&(0..6).map(node).collect::<Vec<_>>());
         }
-        let mut series = TimeSeries::default();
-        series.push(0.0, 0.0, 0.0, 0.0);
-        series.push(T_END, 0.0, 0.0, 0.0);
+        let mut series = TimeSeries::named(["contact_force_pinion_wheel_n"]);
+        series.push(0.0, &[0.0]);
+        series.push(T_END, &[0.0]);
         series.force = Some(force);
         series
     }

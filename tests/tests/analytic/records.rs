@@ -57,7 +57,7 @@ fn speeds_of_racks_are_angular_where_the_record_says_so() {
     let gearbench_models::spec::Body::Gear(pinion) = &spec.gears[0].body else {
         panic!("the pinion is a gear");
     };
-    let (v, omega) = (column(&series, "speed_rack_m_s"), &series.omega2_rad_s);
+    let [v, omega] = ["speed_rack_m_s", "speed_rack_rad_s"].map(|name| column(&series, name));
     let last = *v.last().unwrap();
     assert!(last.abs() > 1e-2, "{last:e}");
     for (v, omega) in v.iter().zip(omega) {

@@ -302,7 +302,7 @@ fn planets_share_as_the_closed_form_says() {
         );
         // Its transmission errors are those that the carrier sees: some micrometres, not its turn.
         let errors = run.series.as_ref().unwrap().columns.iter();
-        let of_sun = errors.filter(|c| c.name == "transmission_error_m");
+        let of_sun = errors.filter(|c| c.name == "transmission_error_sun_p1_m");
         let greatest = of_sun
             .flat_map(|c| &c.values)
             .fold(0.0_f64, |m, x| m.max(x.abs()));

@@ -90,7 +90,7 @@ fn tables(p: &Parameters, path: Option<f64>, duration: f64) -> SceneTable {
             models: Some(Distinct(labels.map(Label::from).to_vec())),
             reference_model: Some("densest".into()),
             integrators: Some(vec![IntegratorTable::from(&DOPRI5.at_tolerance(1e-7))]),
-            quantities: Some(Distinct(vec![MetricKey(p.metric)])),
+            quantities: Some(Distinct(vec![p.metric.into()])),
             ..StudyTable::default()
         },
         ..SceneTable::default()

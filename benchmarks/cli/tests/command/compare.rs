@@ -136,10 +136,10 @@ fn histories_are_an_even_grid_with_events_beside() {
         for name in [
             "hub_angle_pinion_rad",
             "hub_angle_wheel_rad",
-            "omega1_rad_s",
-            "omega2_rad_s",
-            "transmission_error_m",
-            "contact_force_transverse_n",
+            "speed_pinion_rad_s",
+            "speed_wheel_rad_s",
+            "transmission_error_pinion_wheel_m",
+            "transverse_force_pinion_wheel_n",
             "bearing_pinion_x_n",
             "bearing_wheel_y_n",
         ] {

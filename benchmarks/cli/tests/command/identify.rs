@@ -281,11 +281,15 @@ fn measured_histories_are_fitted_and_compared() {
         "force.csv",
         &[
             ("time_s", "time [ms]", 1e3),
-            ("contact_force_n", "contact_force [kN]", 1e-3),
+            ("contact_force_pinion_wheel_n", "contact_force [kN]", 1e-3),
         ],
     );
     let cycles = 20.0 / std::f64::consts::TAU;
-    let error = ("transmission_error_m", "transmission error [um]", 1e6);
+    let error = (
+        "transmission_error_pinion_wheel_m",
+        "transmission error [um]",
+        1e6,
+    );
     write(
         "cycle.csv",
         &[("hub_angle_pinion_rad", "mesh_cycle", cycles), error],

@@ -99,7 +99,7 @@ fn what_a_reference_lacks_is_absent() {
     let place = |name: &str| names.iter().position(|n| *n == name).unwrap();
     let keep = [place("time_s"), place("speed_pinion_rad_s")];
     let mut table = String::from("t [s],speed_pinion [rad/s],transmission_error [um]\n");
-    let error = place("transmission_error_m");
+    let error = place("transmission_error_pinion_wheel_m");
     for (i, line) in lines[1..].iter().enumerate() {
         let cells: Vec<&str> = line.split(',').collect();
         let um = 1e6 * cells[error].parse::<f64>().unwrap();
@@ -124,7 +124,7 @@ fn what_a_reference_lacks_is_absent() {
     as_documented(&folder.at("c"));
     let record: Results = gearbench_reports::load_results(&folder.at("c")).unwrap();
     let reference = &record.references[0];
-    assert!(reference.series.contact_force_n.is_empty() && reference.further.len() == 1);
+    assert!(reference.series.contact_force().is_empty() && reference.further.len() == 1);
     let m = record.runs[0].against("measured").unwrap();
     let absent = [
         m.force_l1,
@@ -139,10 +139,10 @@ fn what_a_reference_lacks_is_absent() {
         "{m:?}"
     );
     let head = folder.read("c/reference01-measured.csv");
-    assert_eq!(head.lines().next(), Some("time_s,omega1_rad_s"));
+    assert_eq!(head.lines().next(), Some("time_s,speed_pinion_rad_s"));
     has(
         &folder.read("c/reference01-measured-2.csv"),
-        &["time_s,transmission_error_m"],
+        &["time_s,transmission_error_pinion_wheel_m"],
     );
 }
 

@@ -3,6 +3,7 @@
 use super::Folder;
 use gearbench_reports::metrics::Metric;
 use gearbench_reports::record::{Results, Run};
+use gearbench_reports::series::SPEED;
 
 /// The record of a command, which ends with code 0.
 fn record(arguments: &str) -> Results {
@@ -64,10 +65,11 @@ fn example_2_stays_within_the_published_axes() {
                 run.model_label()
             );
         };
-        within(&series.contact_force_n, [0.0, 6e4]);
-        within(&series.omega1_rad_s, [-1.0, 2.0]);
-        within(&series.omega2_rad_s, [-1.5, 0.5]);
-        assert!(series.contact_force_n.iter().any(|f| *f > 3e4));
+        let speeds: Vec<&[f64]> = series.all_of(SPEED).map(|(_, speed)| speed).collect();
+        within(series.contact_force(), [0.0, 6e4]);
+        within(speeds[0], [-1.0, 2.0]);
+        within(speeds[1], [-1.5, 0.5]);
+        assert!(series.contact_force().iter().any(|f| *f > 3e4));
     }
     let published = ["rigid", "movable-teeth", "fe"].map(|m| run_of(&record, m, None).published_s);
     assert_eq!(published, [Some(0.2), Some(2.0), Some(36_000.0)]);
@@ -167,7 +169,7 @@ fn the_place_in_the_backlash_is_drawn() {
     let record = gearbench_reports::load_results(&folder.at("here")).unwrap();
     let series = record.runs[0].series.as_ref().unwrap();
     let column = |name: &str| series.columns.iter().find(|c| c.name == name).unwrap();
-    let place = &column("backlash_position").values;
+    let place = &column("backlash_position_pinion_wheel").values;
     let [least, most] = place
         .iter()
         .fold([f64::MAX, f64::MIN], |[a, b], x| [a.min(*x), b.max(*x)]);
@@ -181,7 +183,7 @@ fn the_place_in_the_backlash_is_drawn() {
         (-0.2..0.0).contains(&least) && (1.0..1.2).contains(&most),
         "{least} to {most}"
     );
-    let ratio = &column("speed_ratio_error").values;
+    let ratio = &column("speed_ratio_error_pinion_wheel").values;
     assert!(
         (ratio[0] - (20.0 * 20.0 / (12.0 * 30.0) - 1.0)).abs() < 1e-9,
         "{}",
@@ -218,7 +220,7 @@ fn forces_on_movable_teeth_are_drawn() {
     let record = gearbench_reports::load_results(&folder.at("here")).unwrap();
     let series = record.runs[0].series.as_ref().unwrap();
     let column = |name: &str| series.column(name).unwrap();
-    let force = &series.contact_force_n;
+    let force = series.contact_force();
     let most = (0..force.len())
         .max_by(|a, b| force[*a].total_cmp(&force[*b]))
         .unwrap();
@@ -254,7 +256,7 @@ fn the_corrected_beveloid_pair_turns_more_evenly() {
         });
         most - least
     };
-    let original = swing("speed_ratio_error");
+    let original = swing("speed_ratio_error_pinion_wheel");
     let corrected = swing("speed_ratio_error_pinion_corrected_wheel_corrected");
     assert!(
         original > 0.015 && corrected < 0.3 * original,

@@ -125,13 +125,13 @@ fn at(run: &Run, values: &[f64], time: f64) -> f64 {
 /// Checks that the forces on both gears are opposite, and sum up to the force of the run.
 fn bears_the_force(run: &Run, frames: &[(f64, FrameFile)], within: f64) {
     let series = run.series.as_ref().unwrap();
-    let peak = series.contact_force_n.iter().copied().fold(0.0, f64::max);
+    let peak = series.contact_force().iter().copied().fold(0.0, f64::max);
     let mut most = 0.0_f64;
     for (time, read) in frames {
         let forces = read.vectors("contact_force");
         let [a, b] = [1, 2].map(|gear| read.nodes(gear).iter().map(|n| forces[*n]).sum::<Vec3>());
         assert!((a + b).norm() < 1e-9 * peak);
-        let expected = at(run, &series.contact_force_n, *time);
+        let expected = at(run, series.contact_force(), *time);
         assert!(
             (a.norm() - expected).abs() < within * peak,
             "{} {expected}",
@@ -225,7 +225,7 @@ fn movable_teeth_yield() {
         all.iter().map(|u| u.norm()).fold(0.0, f64::max)
     };
     let peak = frames.iter().map(|(_, f)| most(f)).fold(0.0, f64::max);
-    let force = run.series.as_ref().unwrap().contact_force_n.iter().copied();
+    let force = run.series.as_ref().unwrap().contact_force().iter().copied();
     // The spring of a tooth, and what inertia adds.
     let by_spring = force.fold(0.0, f64::max) / 5e8;
     assert!(
@@ -249,13 +249,13 @@ fn elastic_gears_show_their_displacement() {
     bears_the_force(&run, &frames, 2e-2);
     let series = run.series.as_ref().unwrap();
     let moved = frames.iter().max_by(|a, b| {
-        let force = |f: &&(f64, FrameFile)| at(&run, &series.contact_force_n, f.0);
+        let force = |f: &&(f64, FrameFile)| at(&run, series.contact_force(), f.0);
         force(a).total_cmp(&force(b))
     });
     let all = moved.unwrap().1.vectors("displacement");
     let most = all.iter().map(|u| u.norm()).fold(0.0, f64::max);
     // Steel teeth yield by some tens of micrometres under 1 kN/mm.
-    let per_width = series.contact_force_n.iter().copied().fold(0.0, f64::max) / 6e-3;
+    let per_width = series.contact_force().iter().copied().fold(0.0, f64::max) / 6e-3;
     assert!((5e-12..1.5e-10).contains(&(most / per_width)), "{most:e}");
 }
 

@@ -133,7 +133,7 @@ fn first_touch(series: &TimeSeries) -> Option<f64> {
     match &series.force {
         Some(force) => force.begins(),
         None => {
-            let first = series.contact_force_n.iter().position(|f| f.abs() > 0.0);
+            let first = series.contact_force().iter().position(|f| f.abs() > 0.0);
             first.map(|i| series.time_s[i])
         }
     }

@@ -233,6 +233,40 @@ macro_rules! metrics {
     )* };
 }
 
+/// A quantity of interest: a metric, or the last speeds of all gears.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct QuantityKey(&'static str);
+
+/// Last speeds of all gears, and of the first two gears in scenes of former versions.
+const LAST_SPEEDS: [&str; 3] = ["speeds_end", "omega1_end", "omega2_end"];
+
+impl QuantityKey {
+    /// Returns the metric; `None` for speeds.
+    pub(crate) fn metric(self) -> Option<Metric> {
+        self.0.parse().ok()
+    }
+}
+
+impl From<Metric> for QuantityKey {
+    fn from(metric: Metric) -> Self {
+        QuantityKey(metric.key())
+    }
+}
+
+impl<'de> Deserialize<'de> for QuantityKey {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        static KNOWN: LazyLock<Vec<&'static str>> = LazyLock::new(|| {
+            let metrics = Metric::ALL.into_iter().map(Metric::key);
+            metrics.chain(LAST_SPEEDS.into_iter().take(1)).collect()
+        });
+        let word = String::deserialize(deserializer)?;
+        let metric = word.parse().ok().map(Metric::key);
+        let speeds = || LAST_SPEEDS.into_iter().find(|key| *key == word);
+        (metric.or_else(speeds).map(QuantityKey))
+            .ok_or_else(|| D::Error::unknown_variant(&word, &KNOWN))
+    }
+}
+
 metrics! {
     /// A metric; errors list the keys of records, and names of the command line are valid as well.
     MetricKey, |_| true, Metric::ALL.map(Metric::key).to_vec();

@@ -143,8 +143,8 @@ impl SceneFile {
         };
         let has = |quantity| data.channel(quantity).is_some();
         let force = has(Quantity::Force(0));
-        let speeds = has(Quantity::Speed(0)) || has(Quantity::Speed(1));
         let of_any = |kind: fn(&Quantity) -> bool| data.channels.iter().any(|c| kind(&c.quantity));
+        let speeds = of_any(|q| matches!(q, Quantity::Speed(_)));
         let error = of_any(|q| matches!(q, Quantity::TransmissionError(_)));
         let angles = of_any(|q| matches!(q, Quantity::Angle(_)));
         let torques = of_any(|q| matches!(q, Quantity::Torque(_) | Quantity::MountTorque(_)));
@@ -156,7 +156,7 @@ impl SceneFile {
             | Metric::PeakForceRel
             | Metric::RmsForceRel
             | Metric::ImpulseRel => (force, "contact force"),
-            Metric::Rebound => (speeds, "speed of the first two gears"),
+            Metric::Rebound => (speeds, "speed of a gear"),
             Metric::TransmissionError
             | Metric::TransmissionErrorSpanRel
             | Metric::TransmissionErrorOrders

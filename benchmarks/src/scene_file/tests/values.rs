@@ -271,7 +271,7 @@ fn a_study_without_integrators_takes_the_adaptive_ones() {
     assert_eq!(scene.tolerance.unwrap().metric, Metric::PeakForceRel);
     let scene = read(
         "[study]",
-        "[study]\nquantities = [\"force-aligned\", \"peak_force_n\"]\nprecision = { metrics = [\"peak_force_rel\"] }",
+        "[study]\nquantities = [\"force-aligned\", \"peak_force_n\", \"omega2_end\", \"speeds_end\"]\nprecision = { metrics = [\"peak_force_rel\"] }",
     );
     let of_scene = [Metric::ForceL2Aligned, Metric::PeakForce];
     assert_eq!(scene.study.quantities, of_scene);

@@ -1,10 +1,12 @@
 //! Stored baselines: one line of JSON for each entry, a whole set of lines for each baseline, the newest last. A file of
 //! lines goes well with version control: an update adds lines and changes none.
 
+use super::quantity::FORMER_SPEEDS;
 use crate::cli::files::write_whole;
 use crate::cli::terminal::Refusal;
 use gearbench_reference::files;
 use gearbench_reports::check::{MeasuredEntry, Stored, Trend};
+use gearbench_reports::record::speed_end;
 use serde::{Deserialize, Serialize};
 use std::io::ErrorKind;
 use std::path::Path;
@@ -88,6 +90,23 @@ impl Baselines {
             }
         }
         Ok(Baselines(all))
+    }
+
+    /// Names the last speeds of the entries of a case after its gears: baselines of former versions have those of the first
+    /// two gears by their numbers.
+    pub(super) fn name_speeds<'g>(&mut self, case: &str, gears: impl Iterator<Item = &'g str>) {
+        let names: Vec<(&str, String)> = FORMER_SPEEDS
+            .into_iter()
+            .zip(gears.map(speed_end))
+            .collect();
+        let entries = self.0.iter_mut().flat_map(|b| &mut b.entries);
+        for entry in entries.filter(|e| e.case == case) {
+            for (former, name) in &names {
+                if let Some(x) = entry.metrics.remove(*former) {
+                    entry.metrics.insert(name.clone(), x);
+                }
+            }
+        }
     }
 
     /// Returns the newest baseline, with which runs are compared.
@@ -201,6 +220,26 @@ mod tests {
         let last: Vec<(u32, f64)> = history[0].points[2..].to_vec();
         assert_eq!(last, [(2, 2.0), (3, 4.0)]);
         assert!(again.quantities().contains(&"steps"));
+    }
+
+    /// Last speeds of a former baseline are those of the first two gears.
+    #[test]
+    fn former_speeds_have_names() {
+        let mut former = measured(1.0);
+        former.metrics.insert("omega1_end".into(), -7.5);
+        former.metrics.insert("omega2_end".into(), -8.3);
+        let mut all = Baselines::default();
+        all.add(Stored::default(), vec![former]);
+        all.name_speeds("another", ["x", "y"].into_iter());
+        all.name_speeds("a", ["pinion", "wheel", "third"].into_iter());
+        let metrics = &all.newest().unwrap().entries[0].metrics;
+        let keys: Vec<&str> = metrics.keys().map(String::as_str).collect();
+        let wanted = [
+            "peak_force_n",
+            "speed_end_pinion_rad_s",
+            "speed_end_wheel_rad_s",
+        ];
+        assert_eq!((keys, metrics[wanted[2]]), (wanted.to_vec(), -8.3));
     }
 
     #[test]

@@ -76,7 +76,12 @@ pub fn run(context: &Context, args: &Check, command: &str) -> Result<CommandResu
     let loaded = cases.iter().map(|case| load(context, &file, case));
     let loaded = loaded.collect::<Result<Vec<_>, _>>()?;
     let mut folder = StudyFolder::open(context, &args.output, &name, "check")?;
-    let newest = baselines.newest().cloned().unwrap_or_default();
+    // The file keeps the lines of former versions as they are.
+    let mut named = baselines.clone();
+    for one in &loaded {
+        named.name_speeds(&one.case.name, one.gears());
+    }
+    let newest = named.newest().cloned().unwrap_or_default();
     let total = loaded.iter().map(LoadedCase::len).sum();
     let made = folder.run(total, |runner| -> Result<_, RunError> {
         let mut groups = measure(&loaded, (runner, total))?;
@@ -113,7 +118,7 @@ pub fn run(context: &Context, args: &Check, command: &str) -> Result<CommandResu
     }
     let record = CheckRecord {
         entries: checked,
-        history: baselines.history(&record.quantity, &now),
+        history: named.history(&record.quantity, &now),
         ..record
     };
     let holds = record.holds();

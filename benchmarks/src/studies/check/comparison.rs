@@ -6,6 +6,7 @@
 
 use super::file::{Rules, Runtime, WorkRule};
 use super::kernel::median;
+use super::quantity::Quantity;
 use gearbench_reports::check::{CheckedEntry, CheckedValue, Finding, Kind, MeasuredEntry, Verdict};
 use gearbench_reports::numbers::short;
 use std::collections::BTreeSet;
@@ -122,10 +123,16 @@ fn metrics(now: &MeasuredEntry, before: &MeasuredEntry, rules: &Rules) -> Vec<Fi
             }
             (now, before) => {
                 let value = |x: Option<&f64>| x.map_or("absent".into(), |x| (*x).into());
+                // Baselines of former versions have the speeds of two gears only.
+                let of_more_gears =
+                    before.is_none() && Quantity::of_key(key) == Some(Quantity::SpeedsEnd);
                 Finding {
                     now: value(now),
                     before: value(before),
-                    verdict: Verdict::Moved,
+                    verdict: match of_more_gears {
+                        true => Verdict::Reported,
+                        false => Verdict::Moved,
+                    },
                     ..base
                 }
             }

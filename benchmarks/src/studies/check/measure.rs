@@ -105,6 +105,13 @@ fn work(run: &Run) -> BTreeMap<String, u64> {
 }
 
 impl LoadedCase<'_> {
+    /// Returns the names of the gears of the scene.
+    pub(super) fn gears(&self) -> impl Iterator<Item = &str> {
+        let scene = self.configurations.first().map(|c| &c.scene);
+        let gears = scene.into_iter().flat_map(|s| &s.gears);
+        gears.map(|g| g.name.as_str())
+    }
+
     /// Returns the number of runs, one for each model and integrator of the case.
     pub(super) fn len(&self) -> usize {
         self.configurations

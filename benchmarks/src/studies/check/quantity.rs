@@ -1,8 +1,9 @@
 //! Quantities that a check evaluates for each run and compares with the baseline.
 
 use gearbench_reports::Metric;
-use gearbench_reports::metrics::{TRANSMISSION_ERROR, compare, compare_all};
-use gearbench_reports::record::{ReferenceSeries, Run, SELF};
+use gearbench_reports::metrics::{compare, compare_all};
+use gearbench_reports::record::{ReferenceSeries, Run, SELF, speed_end};
+use gearbench_reports::series::TRANSMISSION_ERROR;
 use std::collections::BTreeMap;
 use std::fmt;
 use std::str::FromStr;
@@ -12,21 +13,25 @@ use std::str::FromStr;
 pub(crate) enum Quantity {
     /// A metric; errors are against every reference of the scene.
     Metric(Metric),
-    /// Root mean square of the contact force over the samples of the history [N].
+    /// Last speeds of all gears [rad/s].
+    SpeedsEnd,
+    /// Root mean square of the contact force of the first mesh over the samples of the history [N].
     ForceRms,
-    /// Root mean square of the transmission error, likewise [m].
+    /// Root mean square of the transmission error of the first mesh, likewise [m].
     TransmissionErrorRms,
 }
 
+const SPEEDS_END: &str = "speeds_end";
+/// Names of the last speeds of the first two gears in check files and baselines of former versions.
+pub(super) const FORMER_SPEEDS: [&str; 2] = ["omega1_end", "omega2_end"];
 const FORCE_RMS: &str = "force_rms_n";
 const TRANSMISSION_ERROR_RMS: &str = "transmission_error_rms_m";
 
 /// Quantities that a check evaluates by default.
-pub(crate) const USUAL: [Quantity; 8] = [
+pub(crate) const USUAL: [Quantity; 7] = [
     Quantity::Metric(Metric::PeakForce),
     Quantity::Metric(Metric::Impulse),
-    Quantity::Metric(Metric::Omega1End),
-    Quantity::Metric(Metric::Omega2End),
+    Quantity::SpeedsEnd,
     Quantity::Metric(Metric::EnergyDrift),
     Quantity::Metric(Metric::ForceL2Aligned),
     Quantity::ForceRms,
@@ -36,7 +41,11 @@ pub(crate) const USUAL: [Quantity; 8] = [
 impl Quantity {
     /// Returns all quantities that a check can evaluate.
     pub(crate) fn all() -> impl Iterator<Item = Quantity> {
-        let own = [Quantity::ForceRms, Quantity::TransmissionErrorRms];
+        let own = [
+            Quantity::SpeedsEnd,
+            Quantity::ForceRms,
+            Quantity::TransmissionErrorRms,
+        ];
         Metric::ALL.into_iter().map(Quantity::Metric).chain(own)
     }
 
@@ -44,14 +53,19 @@ impl Quantity {
     pub(crate) fn key(self) -> &'static str {
         match self {
             Quantity::Metric(m) => m.key(),
+            Quantity::SpeedsEnd => SPEEDS_END,
             Quantity::ForceRms => FORCE_RMS,
             Quantity::TransmissionErrorRms => TRANSMISSION_ERROR_RMS,
         }
     }
 
-    /// Returns the quantity of a key in a baseline, for example `force_l2` for `force_l2@calculix`.
+    /// Returns the quantity of a key in a baseline, for example `force_l2` for `force_l2@calculix`, and `speeds_end` for
+    /// `speed_end_pinion_rad_s`.
     pub(crate) fn of_key(key: &str) -> Option<Quantity> {
         let key = key.split_once('@').map_or(key, |(key, _)| key);
+        if key.starts_with("speed_end_") {
+            return Some(Quantity::SpeedsEnd);
+        }
         Self::all().find(|q| q.key() == key)
     }
 
@@ -85,6 +99,9 @@ impl FromStr for Quantity {
         if let Ok(metric) = text.parse() {
             return Ok(Quantity::Metric(metric));
         }
+        if FORMER_SPEEDS.contains(&text) {
+            return Ok(Quantity::SpeedsEnd);
+        }
         Self::all().find(|q| q.key() == text).ok_or_else(|| {
             let keys: Vec<&str> = Self::all().map(Self::key).collect();
             format!(
@@ -117,11 +134,18 @@ pub(super) fn values(
                 found.extend(errors.filter_map(|(r, x)| Some((format!("{key}@{}", r.id), x?))));
             }
             Quantity::Metric(m) => found.extend(own.get(*m).map(|x| (key.to_owned(), x))),
+            Quantity::SpeedsEnd => {
+                let speeds = own.speeds_end.iter();
+                found.extend(speeds.map(|(gear, x)| (speed_end(gear), *x)));
+            }
             Quantity::ForceRms => {
-                found.extend(root_mean_square(&series.contact_force_n).map(|x| (key.to_owned(), x)))
+                let rms = root_mean_square(series.contact_force());
+                found.extend(rms.map(|x| (key.to_owned(), x)));
             }
             Quantity::TransmissionErrorRms => {
-                let rms = series.column(TRANSMISSION_ERROR).and_then(root_mean_square);
+                let mesh = series.first_mesh();
+                let error = mesh.and_then(|(mesh, _)| series.of(TRANSMISSION_ERROR, mesh));
+                let rms = error.and_then(root_mean_square);
                 found.extend(rms.map(|x| (key.to_owned(), x)));
             }
         }
@@ -147,6 +171,9 @@ mod tests {
             assert_eq!(Quantity::of_key(&format!("{q}@calculix")), Some(q));
         }
         assert!("peak".parse::<Quantity>().is_ok());
+        let of_gear = Quantity::of_key("speed_end_pinion_rad_s");
+        assert_eq!(of_gear, Some(Quantity::SpeedsEnd));
+        assert_eq!("omega2_end".parse(), Ok(Quantity::SpeedsEnd));
         let e = "speed".parse::<Quantity>().unwrap_err();
         assert!(
             e.contains("force_rms_n") && e.contains("peak_force_n"),

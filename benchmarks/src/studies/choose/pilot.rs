@@ -140,7 +140,7 @@ pub fn approach(
     oscillator: &MeshOscillator,
 ) -> Result<f64, ChooseError> {
     let run = whole(problem, level, oscillator.contact_time())?;
-    let force = &run.series.contact_force_n;
+    let force = run.series.contact_force();
     let peak = force.iter().copied().fold(0.0, f64::max);
     if peak > 0.0 {
         Ok(peak / oscillator.stiffness)
@@ -156,7 +156,7 @@ pub fn approach(
 
 /// Spells of contact: times between which teeth touch [s].
 fn spells(run: &Outcome) -> Vec<[f64; 2]> {
-    let (t, f) = (&run.series.time_s, &run.series.contact_force_n);
+    let (t, f) = (&run.series.time_s, run.series.contact_force());
     let mut all: Vec<[f64; 2]> = Vec::new();
     let mut open = false;
     for (t, f) in t.iter().zip(f) {
@@ -174,7 +174,7 @@ fn spells(run: &Outcome) -> Vec<[f64; 2]> {
 /// When gears that run first carry the load that they carry at most over a mesh cycle [s]; nothing where they do not run
 /// for a few cycles, or part.
 fn loaded(run: &Outcome, cycle: f64) -> Option<f64> {
-    let (t, f) = (&run.series.time_s, &run.series.contact_force_n);
+    let (t, f) = (&run.series.time_s, run.series.contact_force());
     let duration = *t.last()?;
     if cycle.is_nan() || (RUNNING + 1.0) * cycle > duration {
         return None;
@@ -371,7 +371,7 @@ pub fn sensitivity(
 
 /// Computes the statistics of the contact force of a run.
 pub fn statistics(run: &Outcome) -> ForceStatistics {
-    let (t, f) = (&run.series.time_s, &run.series.contact_force_n);
+    let (t, f) = (&run.series.time_s, run.series.contact_force());
     let square: f64 = (t.windows(2).zip(f.windows(2)))
         .map(|(t, f)| 0.5 * (f[0] * f[0] + f[1] * f[1]) * (t[1] - t[0]))
         .sum();

@@ -75,7 +75,7 @@ mod tests {
             ..Ledger::default()
         };
         let mut none = TimeSeries::default();
-        none.push(0.0, 0.0, 0.0, 0.0);
+        none.push(0.0, &[]);
         let error = |own: &Ledger| {
             let run = FinishedRun::reached(&none, own, [0.0, 0.0]).unwrap();
             error(Metric::EnergyDrift, run, (&none, &ledger(0.7)))

@@ -44,7 +44,7 @@ fn impacts(run: &Run) -> Vec<f64> {
     let mut found: Vec<f64> = Vec::new();
     let mut touching = false;
     for (row, torque) in histories.on_grid.iter().zip(torque) {
-        let force = series.contact_force_n[*row];
+        let force = series.contact_force()[*row];
         if force > 0.0 {
             if !touching {
                 found.push(0.0);
@@ -116,7 +116,7 @@ fn peak_at(thousandths: u32) -> f64 {
     )
     .unwrap();
     let run = run_of(&scene, "elastic", &TRIGONOMETRIC.at_step(2e-7));
-    let force = run.series.as_ref().unwrap().contact_force_n.iter();
+    let force = run.series.as_ref().unwrap().contact_force().iter();
     force.copied().fold(0.0, f64::max)
 }
 

@@ -7,7 +7,7 @@ use super::recorder::Recorder;
 use crate::experiment::record::carrier_of;
 use gearbench_models::scene::{Channel, OfGear, OfMesh, Scene};
 use gearbench_models::spec::{SceneSpec, transmission_error};
-use gearbench_reports::metrics::TRANSMISSION_ERROR;
+use gearbench_reports::series::TRANSMISSION_ERROR;
 
 /// Radial forces of a bearing.
 const RADIAL: [OfGear; 2] = [OfGear::BearingX, OfGear::BearingY];
@@ -109,13 +109,9 @@ impl<'a> ChannelLayout<'a> {
             let error = of(a).zip(of(b)).zip(&carried);
             let error = error.map(|((x, y), c)| of_turns(x - c, y - c));
             let of_mesh = format!("{} - {}", name(a), name(b));
-            let column = match m {
-                0 => TRANSMISSION_ERROR.to_owned(),
-                _ => format!("transmission_error_{}_{}_m", name(a), name(b)),
-            };
             let classes = [a, b].map(|g| self.class(g));
             all.push(Quantity {
-                column,
+                column: TRANSMISSION_ERROR.of_mesh(&[name(a), name(b)]),
                 name: format!("transmission error {of_mesh}"),
                 unit: "m",
                 kind: kind("error", classes),

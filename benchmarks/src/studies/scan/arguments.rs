@@ -62,7 +62,7 @@ pub struct Scan {
     /// of the scene for each model, the first adaptive one, else the first]
     #[arg(long, value_name = "X,Y")]
     pub integrators: Option<String>,
-    /// Quantities of a run, separated by commas: keys of metrics, efficiency, steps [default: peak_force_n, rms_force_n,
+    /// Quantities of a run, separated by commas: keys of metrics, speeds_end, efficiency, steps [default: peak_force_n, rms_force_n,
     /// impulse_ns, transmission_error_pp_m; with --against also errors]
     #[arg(long, value_name = "Q,R", value_delimiter = ',')]
     pub outputs: Vec<Output>,

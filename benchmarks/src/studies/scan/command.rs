@@ -93,7 +93,7 @@ fn plan<'a>(scene: &'a SceneFile, args: &Scan, command: &str) -> Result<Plan<'a>
             choices.push(choice);
         }
     }
-    let outputs = outputs(args)?;
+    let outputs = outputs(args, scene)?;
     let methods = integrators_of(scene, args.integrators.as_deref())?;
     let mut runs = Vec::new();
     for (i, choice) in choices.iter().enumerate() {
@@ -125,7 +125,7 @@ fn plan<'a>(scene: &'a SceneFile, args: &Scan, command: &str) -> Result<Plan<'a>
                 .iter()
                 .map(|(label, method)| format!("[{label}, {method}]"))
         ),
-        texts(&mut outputs.iter().map(|o| o.key().to_owned())),
+        texts(&mut outputs.iter().map(Output::key)),
         yardstick.unwrap_or("none"),
         args.run.timeout
     );
@@ -187,7 +187,7 @@ fn hash_of(source: Source) -> String {
     Key::new("scene of a scan").and(&source).to_string()
 }
 
-fn outputs(args: &Scan) -> Result<Vec<Output>, Refusal> {
+fn outputs(args: &Scan, scene: &SceneFile) -> Result<Vec<Output>, Refusal> {
     if args.outputs.is_empty() {
         let errors = Output::ERRORS
             .into_iter()
@@ -207,8 +207,14 @@ fn outputs(args: &Scan) -> Result<Vec<Output>, Refusal> {
             )
             .into());
         }
-        if !once.contains(output) {
-            once.push(*output);
+        let of_scene = (output.clone().of_scene(&scene.spec)).map_err(|why| {
+            let gears: Vec<&str> = scene.spec.gears.iter().map(|g| g.name.as_str()).collect();
+            SceneError::plain(why, format!("its gears are {}", gears.join(", ")))
+        })?;
+        for output in of_scene {
+            if !once.contains(&output) {
+                once.push(output);
+            }
         }
     }
     Ok(once)

@@ -62,7 +62,7 @@ impl Plan<'_> {
 
     /// The keys of the outputs.
     pub fn output_keys(&self) -> Vec<String> {
-        self.outputs.iter().map(|o| o.key().to_owned()).collect()
+        self.outputs.iter().map(Output::key).collect()
     }
 
     /// The models and integrators of each cell.

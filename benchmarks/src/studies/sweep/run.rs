@@ -19,7 +19,7 @@ use gearbench_models::spec::SceneSpec;
 use gearbench_reference::statics::{Load as StaticLoad, LoadedPair, MeshCycle};
 use gearbench_reports::Part;
 use gearbench_reports::record::{self, Results, Run, StaticCycle, Status};
-use gearbench_reports::series::TimeSeries;
+use gearbench_reports::series::{SPEED, TimeSeries};
 use gearbench_reports::sweep::{Branch, SweepRecord};
 use std::time::Instant;
 
@@ -66,11 +66,11 @@ impl Pair {
                 let own = |d: &str| column(format!("bearing_{name}_{d}_n"));
                 let (x, y, inertia) = match (own("x"), own("y")) {
                     (Some(x), Some(y)) => (x, y, *vibrates),
-                    _ => (
-                        column("force_x_n".into())?,
-                        column("force_y_n".into())?,
-                        false,
-                    ),
+                    _ => {
+                        let (mesh, _) = series.first_mesh()?;
+                        let of_mesh = |d: &str| column(format!("force_{d}_{mesh}_n"));
+                        (of_mesh("x")?, of_mesh("y")?, false)
+                    }
                 };
                 Some(((*name).to_string(), inertia, x, y))
             })
@@ -80,10 +80,10 @@ impl Pair {
                 time: &series.time_s,
                 position: &position,
                 error: &error,
-                force: &series.contact_force_n,
+                force: series.contact_force(),
                 pieces: series.force.as_ref(),
                 gears: [0, 1].map(|k| (gears[k].0, self.teeth[k])),
-                speed: &series.omega1_rad_s,
+                speed: series.of(SPEED, gears[0].0)?,
                 bearings,
             },
             counts,

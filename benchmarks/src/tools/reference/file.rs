@@ -3,9 +3,8 @@
 
 use crate::experiment::machine;
 use crate::scene_file::references::conditions::stated;
-use gearbench_models::scene::{Channel, OfGear};
-use gearbench_models::spec::{Body, SceneSpec};
-use gearbench_reports::series::TimeSeries;
+use gearbench_models::spec::SceneSpec;
+use gearbench_reports::series::{SPEED, TimeSeries};
 
 /// Contents of the comment lines at the head of the file.
 pub(super) struct Header<'a> {
@@ -15,12 +14,13 @@ pub(super) struct Header<'a> {
     pub scene: &'a str,
 }
 
-/// Prefixes of further columns of a reference.
-const KEPT: [&str; 7] = [
+/// Prefixes of the columns of a reference.
+const KEPT: [&str; 8] = [
     "hub_angle_",
     "hub_displacement_",
     "transmission_error",
     "contact_force_",
+    "transverse_force_",
     "speed_",
     "contact_torque_",
     "mount_torque_",
@@ -43,31 +43,19 @@ pub(super) fn text(header: &Header<'_>, spec: &SceneSpec, series: &TimeSeries) -
         // No sum of loads is a negative zero.
         text.push_str(&format!("# {key} = {:?}\n", x + 0.0));
     }
-    let mut columns: Vec<(String, &[f64])> = vec![
-        ("time_s".into(), &series.time_s),
-        ("contact_force_n".into(), &series.contact_force_n),
-    ];
-    for (g, speed) in [&series.omega1_rad_s, &series.omega2_rad_s]
-        .into_iter()
-        .enumerate()
-    {
-        // A rack has a column of its own in m/s.
-        if spec
-            .gears
-            .get(g)
-            .is_some_and(|gear| matches!(gear.body, Body::Gear(_)))
-        {
-            columns.push((Channel::Gear(g, OfGear::Speed).column(spec), speed));
-        }
-    }
+    let is_of_rack = |name: &str| {
+        let gear = SPEED.subject(name);
+        gear.is_some_and(|gear| series.of(SPEED.in_unit("m_s"), gear).is_some())
+    };
+    let mut columns: Vec<(&str, &[f64])> = vec![("time_s", &series.time_s)];
     for c in &series.columns {
-        // A mount that neither holds nor drives has no torque.
+        // A mount that neither holds nor drives has no torque, and the speed of a rack is in m/s.
         let free = c.name.starts_with("mount_torque_") && c.values.iter().all(|x| *x == 0.0);
-        if KEPT.iter().any(|k| c.name.starts_with(k)) && !free {
-            columns.push((c.name.clone(), &c.values));
+        if KEPT.iter().any(|k| c.name.starts_with(k)) && !free && !is_of_rack(&c.name) {
+            columns.push((&c.name, &c.values));
         }
     }
-    let names: Vec<&str> = columns.iter().map(|(name, _)| name.as_str()).collect();
+    let names: Vec<&str> = columns.iter().map(|(name, _)| *name).collect();
     text.push_str(&names.join(","));
     text.push('\n');
     let mut before = String::new();

@@ -1,22 +1,22 @@
-//! Chart of further histories of a tabulated reference: transmission error, angles, torques, forces of further meshes.
+//! Chart of the histories of a tabulated reference without a chart of their own: transmission errors, angles, torques.
 
 use super::histories::Histories;
 use crate::csv_table::named_unit;
 use crate::drawing::Chart;
 use crate::drawing::canvas::DrawError;
 use crate::drawing::panel::{Panel, chart};
-use crate::metrics::TRANSMISSION_ERROR;
 use crate::numbers::Prefix;
+use crate::series::{CONTACT_FORCE, TRANSMISSION_ERROR};
 use crate::view::View;
 
-/// Draws a panel for each further history of tabulated references, with the runs that have it.
+/// Draws a panel for each such history of tabulated references, with the runs that have it.
 pub fn channels(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
     let tables = (view.results.references.iter()).filter(|r| !r.processing.is_empty());
     let mut names: Vec<&str> = Vec::new();
     for series in tables.flat_map(|r| r.all_series()) {
         for c in &series.columns {
-            // Speeds have a chart of their own.
-            if !c.name.ends_with("_rad_s") && !names.contains(&c.name.as_str()) {
+            let has_chart = c.name.ends_with("_rad_s") || CONTACT_FORCE.subject(&c.name).is_some();
+            if !has_chart && !names.contains(&c.name.as_str()) {
                 names.push(&c.name);
             }
         }
@@ -24,7 +24,7 @@ pub fn channels(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
     let Some(h) = Histories::of(view).filter(|_| !names.is_empty()) else {
         return Ok(None);
     };
-    names.sort_by_key(|n| *n != TRANSMISSION_ERROR);
+    names.sort_by_key(|n| TRANSMISSION_ERROR.subject(n).is_none());
     let time = h.zoom.as_ref().unwrap_or(&h.time);
     let panels: Vec<Panel> = (names.iter().enumerate())
         .map(|(i, name)| {
@@ -37,7 +37,7 @@ pub fn channels(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
             Panel {
                 x_name: (i + 1 == names.len()).then(|| time.name.clone()),
                 ..Panel::new(130.0, &time.axis, &label)
-                    .remark(stem.replace('_', " "))
+                    .remark(h.without_only_mesh(stem).replace('_', " "))
                     .curves(h.lines(|s| s.column(name), prefix.factor, time))
                     .close()
             }

@@ -12,7 +12,7 @@ use crate::drawing::panel::{Curve, Panel, chart, extremes};
 use crate::drawing::style::{model_stroke, reference_stroke};
 use crate::numbers::{Prefix, per_cent, quantity};
 use crate::record::{ReferenceSeries, Run};
-use crate::series::{TimeSeries, mesh_column, resample};
+use crate::series::{CONTACT_FORCE, Quantity, SPEED, TimeSeries, resample};
 use crate::view::View;
 
 /// A run that is drawn in a chart of histories.
@@ -39,7 +39,7 @@ pub(super) struct History<'a> {
     /// True if it is a reference that is a run of the record.
     pub is_copy: bool,
     pub series: &'a TimeSeries,
-    /// Further histories of a reference, at other times.
+    /// Histories of a reference at other times.
     pub further: &'a [TimeSeries],
     pub stroke: Stroke,
     /// Place of its model; none of a reference.
@@ -55,10 +55,18 @@ pub(super) struct Histories<'a> {
     pub time: TimeAxis,
     /// Short time interval for a close-up, if the whole history is too dense to read.
     pub zoom: Option<TimeAxis>,
-    /// Names of the gears of each mesh, of scenes with several.
-    meshes: Vec<[String; 2]>,
+    /// Meshes of the scene.
+    meshes: Vec<Mesh>,
     /// Number of models, whose looks have the first indices.
     models: usize,
+}
+
+/// A mesh of the scene.
+struct Mesh {
+    /// Name in texts; empty if the scene has one only.
+    name: String,
+    /// Names of its gears as columns have them.
+    gears: String,
 }
 
 impl<'a> History<'a> {
@@ -68,7 +76,7 @@ impl<'a> History<'a> {
     }
 
     fn has_force(&self) -> bool {
-        !self.series.contact_force_n.is_empty()
+        !self.series.contact_force().is_empty()
     }
 
     /// Returns times and values of a column, from the first of its series that has it.
@@ -138,11 +146,7 @@ impl<'a> Histories<'a> {
                 style: Some(group.style),
             });
         }
-        let with_meshes = view.results.runs.iter().map(|r| &r.mesh_forces);
-        let forces = with_meshes.max_by_key(|m| m.len());
-        let meshes: Vec<[String; 2]> = (forces.into_iter().flatten())
-            .map(|m| m.gears.clone())
-            .collect();
+        let meshes = meshes_of(&curves, view.results.runs.iter());
         let all: Vec<&TimeSeries> = curves.iter().map(|c| c.series).collect();
         // A reference may have no force.
         let busiest = curves.iter().find(|c| c.has_force());
@@ -160,62 +164,47 @@ impl<'a> Histories<'a> {
         Some(found)
     }
 
-    /// Returns times and contact forces of all histories: of the first mesh, and of further meshes where panels show
-    /// them.
+    /// Returns times and contact forces of all meshes in all histories.
     fn forces(&self) -> Vec<(&'a [f64], &'a [f64])> {
-        let meshes = self.meshes_with("contact_force", "_n");
-        let shown = match overlay(meshes.len()) {
-            true => meshes.len(),
-            false => 1,
+        let of = |s: &'a TimeSeries| {
+            s.all_of(CONTACT_FORCE)
+                .map(|(_, f)| (s.time_s.as_slice(), f))
         };
-        let columns = || meshes.iter().take(shown);
-        let of = |c: &History<'a>| {
-            let series = c.series;
-            let force =
-                |m: &MemberColumn| Some((series.time_s.as_slice(), series.column(&m.column)?));
-            columns().filter_map(force).collect::<Vec<_>>()
-        };
-        self.curves.iter().flat_map(of).collect()
+        self.curves.iter().flat_map(|c| of(c.series)).collect()
     }
 
-    /// Returns the meshes of the scene with the columns of a quantity, whose names consist of a beginning and an
-    /// ending.
-    pub fn meshes_with(&self, begin: &str, end: &str) -> Vec<MemberColumn> {
-        let first = MemberColumn {
-            name: String::new(),
-            column: format!("{begin}{end}"),
-            style: self.models,
-        };
-        if self.meshes.is_empty() {
-            return vec![first];
-        }
-        let member = |(m, [a, b]): (usize, &[String; 2])| MemberColumn {
-            name: format!("{a} - {b}"),
-            column: mesh_column(begin, end, (m > 0).then_some([a.as_str(), b.as_str()])),
+    /// Returns the meshes of the scene with the columns of a quantity.
+    pub fn meshes_with(&self, quantity: Quantity) -> Vec<MemberColumn> {
+        let member = |(m, mesh): (usize, &Mesh)| MemberColumn {
+            name: mesh.name.clone(),
+            column: quantity.of(&mesh.gears),
             style: self.models + m,
         };
         self.meshes.iter().enumerate().map(member).collect()
     }
 
-    /// Returns the gears with columns of a quantity; the name of such a column begins with that of the quantity and
-    /// ends with a unit.
-    pub fn gears_with(&self, begin: &str, unit: &str) -> Vec<MemberColumn> {
-        let first = self.models + self.meshes.len();
+    /// Returns the gears with columns of a quantity, those of runs first.
+    pub fn gears_with(&self, quantity: Quantity) -> Vec<MemberColumn> {
+        // A single mesh has no curve with a look of its own.
+        let meshes = Some(self.meshes.len()).filter(|n| *n > 1).unwrap_or(0);
+        let first = self.models + meshes;
         let mut found: Vec<MemberColumn> = Vec::new();
-        let all = self.curves.iter().flat_map(History::all_series);
-        for (name, _) in all.flat_map(TimeSeries::named_columns) {
-            let gear = name
-                .strip_prefix(begin)
-                .and_then(|n| n.strip_prefix('_')?.strip_suffix(unit)?.strip_suffix('_'));
-            if let Some(gear) = gear.filter(|_| found.iter().all(|m| m.column != name)) {
-                found.push(MemberColumn {
-                    name: gear.to_owned(),
-                    column: name.to_owned(),
-                    style: first + found.len(),
-                });
-            }
+        for gear in subjects(&self.curves, quantity) {
+            found.push(MemberColumn {
+                column: quantity.of(&gear),
+                name: gear,
+                style: first + found.len(),
+            });
         }
         found
+    }
+
+    /// Returns the name of a column without those of the gears of the mesh, for a scene with one mesh.
+    pub fn without_only_mesh(&self, name: &str) -> String {
+        match self.meshes.as_slice() {
+            [only] => name.replace(&format!("_{}", only.gears), ""),
+            _ => name.to_owned(),
+        }
     }
 
     /// Returns the number of models that have any of these columns.
@@ -320,6 +309,41 @@ impl<'a> Histories<'a> {
     }
 }
 
+/// Returns the names of gears in the columns of a quantity, those of runs first.
+fn subjects(curves: &[History<'_>], quantity: Quantity) -> Vec<String> {
+    let (runs, references): (Vec<_>, Vec<_>) = curves.iter().partition(|c| c.style.is_some());
+    let all = runs.into_iter().chain(references);
+    let mut found: Vec<String> = Vec::new();
+    for (gears, _) in all
+        .flat_map(History::all_series)
+        .flat_map(|s| s.all_of(quantity))
+    {
+        if found.iter().all(|known| known != gears) {
+            found.push(gears.to_owned());
+        }
+    }
+    found
+}
+
+/// Returns the meshes whose contact force some history has. The records of their forces have the names of both gears.
+fn meshes_of<'r>(curves: &[History<'_>], runs: impl Iterator<Item = &'r Run>) -> Vec<Mesh> {
+    let pairs: Vec<&[String; 2]> = runs
+        .flat_map(|r| &r.mesh_forces)
+        .map(|m| &m.gears)
+        .collect();
+    let gears = subjects(curves, CONTACT_FORCE);
+    let is_only = gears.len() == 1;
+    let mesh = |gears: String| {
+        let pair = pairs.iter().find(|pair| pair.join("_") == gears);
+        let name = pair.map_or_else(|| gears.clone(), |pair| pair.join(" - "));
+        Mesh {
+            name: if is_only { String::new() } else { name },
+            gears,
+        }
+    };
+    gears.into_iter().map(mesh).collect()
+}
+
 /// True if one panel shows all of so many meshes or gears.
 pub(super) fn overlay(members: usize) -> bool {
     (2..=MOST_OVERLAID).contains(&members)
@@ -350,21 +374,28 @@ pub fn force(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
     };
     let unit = Prefix::of(h.peak(), 20.0);
     let y_name = format!("contact force [{}N]", unit.symbol);
-    let meshes = h.meshes_with("contact_force", "_n");
+    let meshes = h.meshes_with(CONTACT_FORCE);
+    let Some(first) = meshes.first() else {
+        return Ok(None);
+    };
     let overlaid = overlay(meshes.len());
+    let column = first.column.as_str();
     let top = Axis::from_zero(h.peak() * unit.factor);
     let together = |time: &TimeAxis, height: f64| Panel {
         x_name: Some(time.name.clone()),
         ..Panel::new(height, &time.axis, &y_name)
-            .curves(h.lines(|s| Some(&s.contact_force_n), unit.factor, time))
+            .curves(h.lines(|s| s.column(column), unit.factor, time))
             .close()
     };
-    let by_model = |time: &TimeAxis, height: f64| {
+    let of_meshes = |time: &TimeAxis, height: f64| {
         let panel = |of: &str| Panel {
             y: Some(top.clone()),
             ..Panel::new(height, &time.axis, &format!("force [{}N]", unit.symbol)).remark(of)
         };
-        let mut panels = h.by_model(&meshes, unit.factor, time, &panel);
+        let mut panels = match overlaid {
+            true => h.by_model(&meshes, unit.factor, time, &panel),
+            false => h.by_member(&meshes, unit.factor, time, &panel),
+        };
         if let Some(last) = panels.last_mut() {
             last.x_name = Some(time.name.clone());
         }
@@ -372,26 +403,25 @@ pub fn force(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
     };
     let mut caption =
         "Normal contact force of one run per model, the one with the least error.".to_owned();
-    match (overlaid, meshes.first()) {
-        (true, _) => caption.push_str(" Each panel has the meshes of one model."),
-        (false, Some(first)) if meshes.len() > 1 => {
-            caption.push_str(&format!(" It is that of the first mesh, {}.", first.name));
-        }
-        _ => {}
+    let several = meshes.len() > 1;
+    let member = if overlaid { "model" } else { "mesh" };
+    if several {
+        let others = if overlaid { "meshes" } else { "models" };
+        caption.push_str(&format!(" Each panel has the {others} of one {member}."));
     }
     let mut panels = Vec::new();
-    match (&h.zoom, overlaid) {
+    match (&h.zoom, several) {
         (None, false) => panels.push(together(&h.time, 240.0)),
-        (None, true) => panels.extend(by_model(&h.time, 150.0)),
+        (None, true) => panels.extend(of_meshes(&h.time, 150.0)),
         (Some(zoom), true) => {
-            panels.extend(by_model(&h.time, 88.0));
-            panels.extend(by_model(zoom, 150.0));
-            caption.push_str(
-                " Each model as a whole (drawn so that every peak stays), then around the highest peak.",
-            );
+            panels.extend(of_meshes(&h.time, 88.0));
+            panels.extend(of_meshes(zoom, 150.0));
+            caption.push_str(&format!(
+                " Each {member} as a whole (drawn so that every peak stays), then around the highest peak.",
+            ));
         }
         (Some(zoom), false) => {
-            let lines = h.lines(|s| Some(&s.contact_force_n), unit.factor, &h.time);
+            let lines = h.lines(|s| s.column(column), unit.factor, &h.time);
             let forces = h.curves.iter().filter(|c| c.has_force());
             let last = lines.len().saturating_sub(1);
             for (i, (line, curve)) in lines.into_iter().zip(forces).enumerate() {
@@ -411,17 +441,13 @@ pub fn force(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
             );
         }
     }
-    let with_force = |r: &&ReferenceSeries| !r.series.contact_force_n.is_empty();
+    let with_force = |r: &&ReferenceSeries| r.series.column(column).is_some();
     if let Some(reference) = h.reference.filter(with_force) {
-        panels.push(residual(
-            &h,
-            reference,
-            h.zoom.as_ref().unwrap_or(&h.time),
-            unit,
-        ));
-        let of = match meshes.len() {
-            1 => "",
-            _ => " of the first mesh",
+        let time = h.zoom.as_ref().unwrap_or(&h.time);
+        panels.push(residual(&h, reference, column, time, unit));
+        let of = match several {
+            false => String::new(),
+            true => format!(" of the first mesh, {}", first.name),
         };
         caption.push_str(&format!(
             " Below: model minus reference{of}, each run shifted in time to its best fit; what stays \
@@ -458,10 +484,12 @@ pub fn force(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
 fn residual(
     h: &Histories<'_>,
     reference: &ReferenceSeries,
+    column: &str,
     time: &TimeAxis,
     unit: Prefix,
 ) -> Panel {
-    let t = &reference.series.time_s;
+    let force = |of: &'_ TimeSeries| of.column(column).unwrap_or_default().to_vec();
+    let (t, wanted) = (&reference.series.time_s, force(&reference.series));
     let zero = Curve::line(
         Stroke::new(Ink::DARK.opacity(0.82), 1.6),
         vec![(time.axis.min, 0.0), (time.axis.max, 0.0)],
@@ -473,8 +501,8 @@ fn residual(
             .unwrap_or(0.0);
         let curve = &h.curves[d.history];
         let own = curve.series;
-        resample(&own.time_s, &own.contact_force_n, t, shift, &mut buffer);
-        let y: Vec<f64> = (buffer.iter().zip(&reference.series.contact_force_n))
+        resample(&own.time_s, &force(own), t, shift, &mut buffer);
+        let y: Vec<f64> = (buffer.iter().zip(&wanted))
             .map(|(f, r)| (f - r) * unit.factor)
             .collect();
         let x = scaled(t, time.factor);
@@ -492,60 +520,37 @@ fn residual(
 
 /// Speed over the greatest of all gears below which a gear is at rest.
 const AT_REST: f64 = 1e-9;
-
-/// Ending of the names of further columns with the speed of a gear.
-const SPEED: &str = "_rad_s";
+/// Longest name of a gear that has room next to the symbol of its speed [characters].
+const LONGEST_NAME: usize = 10;
 
 /// Draws the speeds of all gears over time.
 pub fn speeds(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
     let Some(h) = Histories::of(view) else {
         return Ok(None);
     };
-    let mut names: Vec<&str> = Vec::new();
-    let all = h.curves.iter().flat_map(History::all_series);
-    for (name, _) in all.flat_map(TimeSeries::named_columns) {
-        if name.ends_with(SPEED) && !names.contains(&name) {
-            names.push(name);
-        }
-    }
+    let gears = h.gears_with(SPEED);
     // Gears that are held have no panel: their speed is rounding.
-    let largest = |name: &str| {
+    let largest = |gear: &MemberColumn| {
         let all = h.curves.iter().flat_map(History::all_series);
-        let values = all.filter_map(|s| s.column(name)).flatten();
+        let values = all.filter_map(|s| s.column(&gear.column)).flatten();
         values.fold(0.0_f64, |most, x| most.max(x.abs()))
     };
-    let fastest = names.iter().map(|n| largest(n)).fold(0.0, f64::max);
-    let moving: Vec<(usize, &str)> = (names.iter().copied().enumerate())
-        .filter(|(_, name)| largest(name) > AT_REST * fastest)
+    let fastest = gears.iter().map(&largest).fold(0.0, f64::max);
+    let moving: Vec<(usize, &MemberColumn)> = (gears.iter().enumerate())
+        .filter(|(_, gear)| largest(gear) > AT_REST * fastest)
         .collect();
-    // The picture of the teeth knows what the gears are called, in their order.
-    let gears: Vec<&str> = (view.results.runs.iter())
-        .find_map(|r| r.contacts.as_ref())
-        .map_or(Vec::new(), |s| {
-            s.outlines.iter().map(|o| o.gear.as_str()).collect()
-        });
-    let label = |i: usize, name: &str| {
-        let symbol = name.strip_suffix(SPEED).unwrap_or(name);
-        let symbol = symbol
-            .replacen("omega", "\u{3c9}", 1)
-            .replacen("speed", "\u{3c9}", 1);
-        let symbol = symbol.replace('_', " ");
-        match gears
-            .get(i)
-            .filter(|g| g.len() <= 10 && !symbol.ends_with(*g))
-        {
-            Some(gear) => format!("{symbol} {gear} [rad/s]"),
-            None => format!("{symbol} [rad/s]"),
-        }
+    let label = |i: usize, gear: &str| match gear.len() <= LONGEST_NAME {
+        true => format!("\u{3c9}{} {gear} [rad/s]", i + 1),
+        false => format!("\u{3c9}{} [rad/s]", i + 1),
     };
     let size = if h.zoom.is_some() { 130.0 } else { 160.0 };
     let mut panels = Vec::new();
     for time in std::iter::once(&h.time).chain(&h.zoom) {
-        for (place, (i, name)) in moving.iter().enumerate() {
+        for (place, (i, gear)) in moving.iter().enumerate() {
             panels.push(Panel {
                 x_name: (place + 1 == moving.len()).then(|| time.name.clone()),
-                ..Panel::new(size, &time.axis, &label(*i, name))
-                    .curves(h.lines(|s| s.column(name), 1.0, time))
+                ..Panel::new(size, &time.axis, &label(*i, &gear.name))
+                    .curves(h.lines(|s| s.column(&gear.column), 1.0, time))
                     .close()
             });
         }
@@ -555,8 +560,8 @@ pub fn speeds(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
     } else {
         ""
     };
-    let of: Option<Vec<&str>> = moving.iter().map(|(i, _)| gears.get(*i).copied()).collect();
-    let of = of.map_or_else(|| "the gears".into(), |gears| gears.join(", "));
+    let of: Vec<&str> = moving.iter().map(|(_, gear)| gear.name.as_str()).collect();
+    let of = of.join(", ");
     let title = "Angular velocities of the gears";
     let caption = format!(
         "Angular velocities of {of}, counter-clockwise positive. Elastic bodies are shown by their momentum mean, angular \

@@ -13,6 +13,7 @@ use crate::markup::table::Table;
 use crate::markup::{note, section};
 use crate::numbers::{Prefix, per_cent, quantity};
 use crate::record::{MemberPath, MeshPath, PlanetShare, Run, ShaftPath, Sharing, TorquePaths};
+use crate::series::CONTACT_FORCE;
 use crate::view::View;
 use maud::{Markup, html};
 
@@ -144,12 +145,9 @@ fn sharing(all: &[&RunWithPaths<'_>]) -> Markup {
 /// Draws the shares of planets over time, a panel for each gear that they mesh with, for the first model that has them.
 pub fn shares(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
     let all = runs_with_paths(view);
-    let with = all.iter().find(|s| {
-        let series = s.run.series.as_ref();
-        s.paths.has_settled()
-            && !s.paths.sharing.is_empty()
-            && series.is_some_and(|x| !x.columns.is_empty())
-    });
+    let with = all
+        .iter()
+        .find(|s| s.paths.has_settled() && !s.paths.sharing.is_empty() && s.run.series.is_some());
     let Some((model, series)) = with.and_then(|s| Some((s, s.run.series.as_ref()?))) else {
         return Ok(None);
     };
@@ -159,12 +157,11 @@ pub fn shares(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
     let mut panels = Vec::new();
     let mut names: Vec<&str> = Vec::new();
     for of in &model.paths.sharing {
-        let meshes = model.paths.meshes.iter().enumerate();
         let of_planet = |planet: &str| {
             let joins =
-                |m: &MeshPath| m.gears.contains(&of.gear) && m.gears.iter().any(|g| g == planet);
-            let (i, mesh) = meshes.clone().find(|(_, m)| joins(m))?;
-            series.mesh_force(&mesh.gears, i == 0)
+                |m: &&MeshPath| m.gears.contains(&of.gear) && m.gears.iter().any(|g| g == planet);
+            let mesh = model.paths.meshes.iter().find(joins)?;
+            series.of_mesh(CONTACT_FORCE, &mesh.gears)
         };
         let forces: Option<Vec<&[f64]>> = of.planets.iter().map(|p| of_planet(&p.planet)).collect();
         let Some(forces) = forces else { continue };

@@ -1,50 +1,56 @@
 //! Chart of the contact pressure over time, for runs with half-space contact.
 
-use super::histories::{Histories, History};
+use super::histories::{Histories, History, MemberColumn};
 use crate::drawing::Chart;
 use crate::drawing::canvas::DrawError;
 use crate::drawing::legend::Entry;
 use crate::drawing::panel::{Panel, chart};
 use crate::numbers::{Prefix, quantity};
+use crate::series::{HALF_WIDTH, PRESSURE, Quantity};
 use crate::view::View;
 
-/// Column of the pressure of the first mesh, and of half the width of its contact.
-const PRESSURE: [&str; 2] = ["contact_pressure_pa", "contact_half_width_m"];
-
-/// Draws pressure and width of contact over time; `None` where no run has them.
+/// Draws pressure and width of contact over time, a panel for each mesh; `None` where no run has them.
 pub fn pressure(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
     let Some(h) = Histories::of(view) else {
         return Ok(None);
     };
-    let largest = |name: &str| {
-        let all = h.curves.iter().filter_map(|c| c.series.column(name));
-        all.flatten().fold(0.0_f64, |most, x| most.max(*x))
+    let has = |m: &MemberColumn| {
+        h.curves
+            .iter()
+            .any(|c| c.series.column(&m.column).is_some())
     };
-    let [peak, width] = PRESSURE.map(largest);
+    let of = |quantity: Quantity| -> Vec<MemberColumn> {
+        h.meshes_with(quantity).into_iter().filter(has).collect()
+    };
+    let pressures = of(PRESSURE);
+    let (_, peak) = h.extremes(&pressures);
     if peak == 0.0 {
         return Ok(None);
     }
-    let (pressure, length) = (Prefix::of(peak, 1.0), Prefix::of(width, 1.0));
     let time = h.zoom.as_ref().unwrap_or(&h.time);
-    let panel = |name: &str, label: &str, factor: f64| Panel {
-        x_name: (name == PRESSURE[1]).then(|| time.name.clone()),
-        ..Panel::new(150.0, &time.axis, label)
-            .curves(h.lines(|s| s.column(name), factor, time))
-            .close()
+    let mut panels = Vec::new();
+    let widths = of(HALF_WIDTH);
+    for (meshes, words, unit) in [
+        (&pressures, "peak pressure", "Pa"),
+        (&widths, "half-width", "m"),
+    ] {
+        let prefix = Prefix::of(h.extremes(meshes).1, 1.0);
+        let label = format!("{words} [{}{unit}]", prefix.symbol);
+        panels.extend(meshes.iter().map(|m| {
+            Panel::new(150.0, &time.axis, &label)
+                .remark(m.name.as_str())
+                .curves(h.lines(|s| s.column(&m.column), prefix.factor, time))
+                .close()
+        }));
+    }
+    if let Some(last) = panels.last_mut() {
+        last.x_name = Some(time.name.clone());
+    }
+    let shown = |c: &&History<'_>| {
+        pressures
+            .iter()
+            .any(|m| c.series.column(&m.column).is_some())
     };
-    let panels = [
-        panel(
-            PRESSURE[0],
-            &format!("peak pressure [{}Pa]", pressure.symbol),
-            pressure.factor,
-        ),
-        panel(
-            PRESSURE[1],
-            &format!("half-width [{}m]", length.symbol),
-            length.factor,
-        ),
-    ];
-    let shown = |c: &&History<'_>| c.series.column(PRESSURE[0]).is_some();
     let legend: Vec<Entry> = (h.curves.iter().filter(shown))
         .map(|c| Entry::history(&c.label, c.stroke, c.style))
         .collect();

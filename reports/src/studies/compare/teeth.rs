@@ -8,15 +8,15 @@ use crate::drawing::canvas::DrawError;
 use crate::drawing::panel::{Panel, chart};
 use crate::numbers::Prefix;
 use crate::series::{
-    BACKLASH_POSITION, SPEED_RATIO_ERROR, TOOTH_DEFLECTION, TOOTH_RADIAL_FORCE, TOOTH_SPRING_FORCE,
-    TOOTH_TANGENTIAL_FORCE,
+    self, BACKLASH_POSITION, SPEED_RATIO_ERROR, TOOTH_DEFLECTION, TOOTH_RADIAL_FORCE,
+    TOOTH_SPRING_FORCE, TOOTH_TANGENTIAL_FORCE,
 };
 use crate::view::View;
 
 /// A quantity of meshes or of gears.
 struct Quantity {
-    /// Prefix of the columns of the quantity.
-    begin: &'static str,
+    /// Quantity of the columns.
+    of: series::Quantity,
     /// Name of the quantity in panels.
     words: &'static str,
     /// Endings of its columns with their units; a quantity of meshes has none.
@@ -29,39 +29,39 @@ const FORCE: &[(&str, &str)] = &[("n", "N")];
 
 const QUANTITIES: [Quantity; 6] = [
     Quantity {
-        begin: BACKLASH_POSITION,
+        of: BACKLASH_POSITION,
         words: "place in the backlash",
         units: &[],
         meaning: "The place in the backlash is 0 where the flank that touches first does so without load and 1 where the other \
                   one does; beyond them teeth are deflected.",
     },
     Quantity {
-        begin: SPEED_RATIO_ERROR,
+        of: SPEED_RATIO_ERROR,
         words: "error of the speed ratio",
         units: &[],
         meaning: "The error of the speed ratio is the ratio of the hubs' speeds over that of the numbers of teeth, less 1.",
     },
     Quantity {
-        begin: TOOTH_DEFLECTION,
+        of: TOOTH_DEFLECTION,
         words: "deflection of a tooth",
         units: &[("rad", "rad"), ("m", "m")],
         meaning: "The deflection of a movable tooth is its angle less that of its body, of the touching tooth whose spring is \
                   loaded most, 0 while none touches; the forces are those on this tooth.",
     },
     Quantity {
-        begin: TOOTH_RADIAL_FORCE,
+        of: TOOTH_RADIAL_FORCE,
         words: "radial force",
         units: FORCE,
         meaning: "The radial part of its contact force is positive away from the axis.",
     },
     Quantity {
-        begin: TOOTH_TANGENTIAL_FORCE,
+        of: TOOTH_TANGENTIAL_FORCE,
         words: "tangential force",
         units: FORCE,
         meaning: "The tangential part is positive counter-clockwise.",
     },
     Quantity {
-        begin: TOOTH_SPRING_FORCE,
+        of: TOOTH_SPRING_FORCE,
         words: "spring force",
         units: FORCE,
         meaning: "The spring force is that of spring and damper on the tooth, positive as the tangential part.",
@@ -79,13 +79,13 @@ pub fn teeth(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
         let before = drawn.panels.len();
         match quantity.units {
             [] => {
-                let meshes = h.meshes_with(quantity.begin, "");
+                let meshes = h.meshes_with(quantity.of);
                 let overlaid = overlay(meshes.len());
                 drawn.add(&h, quantity, meshes, ("", overlaid));
             }
             units => {
                 for (ending, unit) in units {
-                    let gears = h.gears_with(quantity.begin, ending);
+                    let gears = h.gears_with(quantity.of.in_unit(ending));
                     // The layout with fewer panels.
                     let overlaid = overlay(gears.len()) && h.models_with(&gears) < gears.len();
                     drawn.add(&h, quantity, gears, (unit, overlaid));

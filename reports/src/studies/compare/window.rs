@@ -54,7 +54,7 @@ pub(super) fn peak_of(all: &[(&[f64], &[f64])]) -> f64 {
 /// Returns a window around the highest peak when the history is too dense to read as a whole: five contacts, or about
 /// eight oscillations about the mean.
 pub(super) fn busy_window(s: &TimeSeries) -> Option<(f64, f64)> {
-    let f = &s.contact_force_n;
+    let f = s.contact_force();
     let n = f.len().min(s.time_s.len());
     let peak_at = (0..n).max_by(|&a, &b| f[a].total_cmp(&f[b]))?;
     let mean = f[..n].iter().sum::<f64>() / n as f64;

@@ -27,9 +27,9 @@ pub fn tables(part: &IdentifyRecord) -> Vec<CsvTable> {
     }
     if !part.histories.is_empty() {
         let mut names: Vec<&str> = Vec::new();
-        for (name, _) in (part.histories.iter()).flat_map(|h| h.series.named_columns()) {
-            if !names.contains(&name) {
-                names.push(name);
+        for column in (part.histories.iter()).flat_map(|h| &h.series.columns) {
+            if !names.contains(&column.name.as_str()) {
+                names.push(&column.name);
             }
         }
         let rows = part.histories.iter();

@@ -53,10 +53,8 @@ pub fn tables(run_ups: &[ModelRunUp]) -> Vec<CsvTable> {
 }
 
 /// Names of quantities with placeholders.
-pub const PLACEHOLDERS: [&str; 5] = [
-    "transmission_error_m",
+pub const PLACEHOLDERS: [&str; 3] = [
     "transmission_error_MESH_m",
-    "contact_force_n",
     "contact_force_MESH_n",
     "bearing_GEAR_n",
 ];

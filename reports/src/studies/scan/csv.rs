@@ -75,6 +75,10 @@ pub fn cells() -> FileDescription {
             "power taken out over power put in by loads and drives, means over the second half of a settled run",
         ),
         ("steps", "accepted steps"),
+        (
+            "speed_end_GEAR_rad_s",
+            "final angular velocity of the gear, with `speeds_end` of all gears",
+        ),
         ("message", "reason of a failure"),
     ];
     let metrics = Metric::ALL.map(|m| (m.key(), m.meaning()));

@@ -66,10 +66,19 @@ fn study(command: &str, part: Part, references: Vec<ReferenceSeries>, runs: Vec<
     }
 }
 
+/// Makes a series of the contact force and the speeds of a pinion and a wheel.
+fn pair() -> TimeSeries {
+    TimeSeries::named([
+        "contact_force_pinion_wheel_n",
+        "speed_pinion_rad_s",
+        "speed_wheel_rad_s",
+    ])
+}
+
 /// Makes a half-sine impact that starts at `start`, with ripples of relative height `ripple`.
 pub fn impact(start: f64, peak: f64, ripple: f64, h: f64) -> TimeSeries {
     let (length, end) = (9.2e-5, 1.34e-4);
-    let mut series = TimeSeries::default();
+    let mut series = pair();
     let mut impulse = 0.0;
     for i in 0..=((end / h) as usize) {
         let t = i as f64 * h;
@@ -81,7 +90,7 @@ pub fn impact(start: f64, peak: f64, ripple: f64, h: f64) -> TimeSeries {
             0.0
         };
         impulse += f * h;
-        series.push(t, f, 20.0 - 134.0 * impulse, -26.3 * impulse);
+        series.push(t, &[f, 20.0 - 134.0 * impulse, -26.3 * impulse]);
     }
     series
 }
@@ -330,8 +339,8 @@ fn fail(run: &mut Run, reference: &TimeSeries, status: Status, message: &str) {
     run.wall_spread_s = Some([f64::NAN, f64::INFINITY]);
     run.ledger.residual_rel = Some(f64::INFINITY);
     if let Some(series) = &mut run.series {
-        for column in [&mut series.contact_force_n, &mut series.omega2_rad_s] {
-            for x in column.iter_mut().skip(245) {
+        for column in [0, 2] {
+            for x in series.columns[column].values.iter_mut().skip(245) {
                 *x = f64::NAN;
             }
         }
@@ -353,13 +362,13 @@ pub fn rotation_results() -> Results {
         for (integrator, implicit, cost) in
             [("velocity-verlet", false, 0.01), ("newmark", true, 0.6)]
         {
-            let mut s = TimeSeries::default();
+            let mut s = pair();
             for i in 0..50_000 {
                 let t = f64::from(i) * 5e-6;
                 let wave =
                     (2.0 * PI * 318.3 * t).sin() + 0.4 * (2.0 * PI * 1190.0 * t * scale).sin();
                 let f = (scale * 270.0 * (0.2 + wave)).max(0.0);
-                s.push(t, f, 100.0 + 0.3 * wave, -66.67 + 0.2 * wave * scale);
+                s.push(t, &[f, 100.0 + 0.3 * wave, -66.67 + 0.2 * wave * scale]);
             }
             let ledger = Ledger {
                 energy_start_j: Some(1.55),

@@ -12,7 +12,7 @@ use crate::scene_file::load;
 use gearbench_integrators::State;
 use gearbench_integrators::table::RK4;
 use gearbench_models::spec::{Modelling, base_radius};
-use gearbench_reports::series::{Column, TimeSeries};
+use gearbench_reports::series::{TRANSMISSION_ERROR, TimeSeries};
 use oscillator::{Case, FM, FORCED, IndependentOscillator, PARAMETRIC, Z};
 use std::f64::consts::TAU;
 
@@ -110,9 +110,8 @@ impl Gears {
 
     /// The rms over [`B`] of a history over one period of 256 parts.
     fn rms(&self, series: &TimeSeries) -> f64 {
-        let named = |c: &&Column| c.name == "transmission_error_m";
-        let error = series.columns.iter().find(named).unwrap();
-        let x = &error.values[..256];
+        let (_, error) = series.all_of(TRANSMISSION_ERROR).next().unwrap();
+        let x = &error[..256];
         let mean = x.iter().sum::<f64>() / 256.0;
         let square: f64 = x.iter().map(|x| ((x - mean) / self.b).powi(2)).sum();
         (square / 256.0).sqrt()

@@ -1,28 +1,18 @@
-//! Records of schema 1, read as records of this version.
-//!
-//! Schema 1 had the quantities of a study of penalties in its runs; now they are rows of its table. All other records of
-//! schema 1 are read as they are.
+//! Studies of penalties of schema 1, whose quantities are in their runs.
 
 use crate::columns::Columns;
 use crate::markup::column::Format;
+use crate::record::SCHEMA;
 use crate::studies::tabular::{TableChart, TabularRecord};
 use serde_json::{Value, json};
 
-/// The number of the schema.
-pub const SCHEMA: u32 = 1;
-
-/// Returns a record of a study of penalties as this version writes it; `None` for records of other studies.
+/// Converts a record of a study of penalties; false if it is one of another study.
 ///
 /// # Errors
-/// When the text is no JSON object.
-pub fn upgrade(text: &str) -> serde_json::Result<Option<Value>> {
-    // Other studies are not parsed a second time.
-    if !text.contains("\"penalty\"") {
-        return Ok(None);
-    }
-    let mut record: Value = serde_json::from_str(text)?;
-    if record["study"] != "penalty" {
-        return Ok(None);
+/// When the table cannot be represented in JSON.
+pub fn upgrade(record: &mut Value) -> serde_json::Result<bool> {
+    if record["study"] != super::PENALTY {
+        return Ok(false);
     }
     let runs = record["runs"].as_array().cloned().unwrap_or_default();
     let number = |key: &'static str| move |r: &&Value| r[key].as_f64();
@@ -71,14 +61,14 @@ pub fn upgrade(text: &str) -> serde_json::Result<Option<Value>> {
         ..TabularRecord::default()
     };
     let Value::Object(part) = serde_json::to_value(table)? else {
-        return Ok(None);
+        return Ok(false);
     };
     record["study"] = json!("tabular");
-    record["schema"] = json!(super::SCHEMA);
+    record["schema"] = json!(SCHEMA);
     for (key, value) in part {
         record[&key] = value;
     }
-    Ok(Some(record))
+    Ok(true)
 }
 
 fn word(value: &Value) -> String {
@@ -87,8 +77,10 @@ fn word(value: &Value) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
-    use crate::record::{Part, Results};
+    use serde_json::{Value, json};
+
+    use crate::record::Part;
+    use crate::record::former::upgrade;
 
     #[test]
     fn a_study_of_penalties_becomes_a_table() {
@@ -108,8 +100,7 @@ mod tests {
             run(json!(1e15), 1090.0, "converged"),
             run(Value::Null, 1100.0, "timeout")
         ]);
-        let new = upgrade(&old.to_string()).unwrap().unwrap();
-        let results: Results = serde_json::from_value(new).unwrap();
+        let results = upgrade(&old.to_string()).unwrap().unwrap();
         results.validate().unwrap();
         assert_eq!((results.study_name(), results.runs.len()), ("penalty", 2));
         let Part::Tabular(table) = &results.part else {
