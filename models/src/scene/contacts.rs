@@ -138,7 +138,9 @@ impl Scene {
             } else {
                 law.clipped(c.gap, rate, impact_speed, c.stiffness)
             };
-            if !located && force.n == 0.0 {
+            // A damped point that parts without force still has the energy of its overlap.
+            let parts_without_force = mesh.is_damped() && mesh.search.points().is_some();
+            if !located && force.n == 0.0 && !(parts_without_force && c.gap < 0.0) {
                 continue;
             }
             let (on, along) = parts(&law, c, c.gap, force.n);
@@ -305,7 +307,7 @@ impl Scene {
                 }
             }
         };
-        for c in &self.work.active {
+        for c in self.work.active.iter().filter(|c| c.force.n != 0.0) {
             let candidate = &self.work.candidates[c.candidate];
             let (teeth, _) = self.meshes[c.mesh].search.flank_of(candidate);
             add(

@@ -98,7 +98,6 @@ fn a_start_without_loads_is_refused() {
     let without = [
         ("torque_nm = 94.1 ", "torque_nm = 0.0 "),
         ("torque_nm = 141.15 ", "torque_nm = 0.0 "),
-        ("law = \"ratio-at-load\", ratio = 0.05", "law = \"none\""),
     ];
     let error = scene("loaded_mesh", "rigid", true, &without).err().unwrap();
     let of_start = matches!(
@@ -269,7 +268,11 @@ fn every_set_on_a_carrier_starts_in_equilibrium() {
         "contact = { local = \"half-space\" }",
         "contact = { penalty_pa_per_m = 1e15 }",
     );
-    let shipped = "damping = { law = \"ratio-at-load\", ratio = 0.05 }";
+    let shared = "damping = { mesh_ratio = 0.02 } #";
+    let contact = |label: &str| match label {
+        "rigid" => "contact = { stiffness = \"compliance\"",
+        _ => "contact = { stiffness = { kind = \"constant\", stiffness_n_per_m2 = 2.68e10 }",
+    };
     for (free, pins) in PINS {
         let mass = if pins.is_empty() { "" } else { "mass_kg = 1.0" };
         let with = format!("{planet}{mass}\n{pins}\n");
@@ -277,12 +280,12 @@ fn every_set_on_a_carrier_starts_in_equilibrium() {
             .chain(LAWS.iter().map(|law| ("movable-teeth", *law)))
             .chain([("elastic", "")])
         {
-            let damping = format!("damping = {{ {law} }}");
-            let mut changes = vec![(planet, with.as_str())];
+            let damped = format!("{}, damping = {{ {law} }}", contact(label));
+            let mut changes = vec![(planet, with.as_str()), (shared, "#")];
             if label == "elastic" {
                 changes.push(elements);
             } else {
-                changes.push((shipped, damping.as_str()));
+                changes.push((contact(label), damped.as_str()));
             }
             let made = scene("planetary", label, true, &changes);
             let mut scene = made.unwrap_or_else(|e| panic!("{label}, `{free}`, {law}: {e}"));
