@@ -198,3 +198,130 @@ fn with_dampers(modelling: &Modelling, scene: &SceneSpec, beta: f64, omega: f64)
     });
     damped
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::context::Context;
+    use crate::scene_file::{Origin, SceneFile, shipped};
+
+    /// A shipped scene with other words in its text.
+    fn scene(name: &str, changes: &[(&str, String)]) -> SceneFile {
+        let mut text = shipped::shipped(name).unwrap().text.to_owned();
+        for (from, to) in changes {
+            assert!(text.contains(from), "{name}: {from}");
+            text = text.replace(from, to);
+        }
+        SceneFile::unbuilt(&Context::default(), name, &text, Origin::Shipped, true).unwrap()
+    }
+
+    /// Returns the damping ratio of the mesh mode of a model with the damping of its scene.
+    fn ratio(mut file: SceneFile, label: &str) -> f64 {
+        file.damp_unbuilt(&[label]).unwrap();
+        let choice = file.model(label).unwrap();
+        let spec = file.spec_for(choice);
+        let of = (&spec, &choice.modelling);
+        let mode = mesh_mode(label, of, &file.context.models, 0).unwrap();
+        mode.damping_ratio
+            .unwrap_or_else(|| panic!("{label}: {}", mode.message))
+    }
+
+    /// The mesh mode has the stated ratio in every model, however many modes elastic gears have and however they touch:
+    /// spur and internal gears, and helical ones on bearings.
+    #[test]
+    fn every_model_has_the_stated_ratio() {
+        let points = "local = \"half-space\"";
+        let penalty = "penalty_pa_per_m = 1e15".to_owned();
+        for stated in [0.02, 0.05, 0.1] {
+            let ratio_of = |was: &'static str| (was, format!("mesh_ratio = {stated}"));
+            let mut all = Vec::new();
+            for label in ["rigid", "movable-teeth", "elastic"] {
+                all.push((
+                    label,
+                    scene("loaded_mesh", &[ratio_of("mesh_ratio = 0.05")]),
+                ));
+                all.push((label, scene("ring_pair", &[ratio_of("mesh_ratio = 0.05")])));
+            }
+            for modes in [20, 140] {
+                let modes = ("modes = 60", format!("modes = {modes}"));
+                for contact in [None, Some((points, penalty.clone()))] {
+                    let mut changes = vec![ratio_of("mesh_ratio = 0.05"), modes.clone()];
+                    changes.extend(contact);
+                    all.push(("elastic", scene("loaded_mesh", &changes)));
+                }
+            }
+            if stated == 0.1 {
+                all.push(("rigid", scene("helical_loaded", &[])));
+                all.push(("movable-teeth", scene("helical_loaded", &[])));
+            }
+            for (label, file) in all {
+                let name = file.name.clone();
+                let found = ratio(file, label);
+                println!("{name}, {label}: {found:.5} for {stated}");
+                assert!(
+                    (found / stated - 1.0).abs() < 0.03,
+                    "{name}, {label}: {found}"
+                );
+            }
+        }
+    }
+
+    /// A loss factor is twice the ratio; Rayleigh's constants give elastic gears their damping, and others the ratio at the
+    /// frequency of their own mesh mode.
+    #[test]
+    fn all_forms_are_ratios() {
+        let with = |stated: &str| scene("loaded_mesh", &[("mesh_ratio = 0.05", stated.to_owned())]);
+        let by_factor = ratio(with("loss_factor = 0.08"), "rigid");
+        assert!((by_factor / 0.04 - 1.0).abs() < 1e-3, "{by_factor}");
+        let beta = 1.2e-6;
+        for label in ["rigid", "elastic"] {
+            let file = with(&format!("rayleigh = [0.0, {beta}]"));
+            let choice = file.model(label).unwrap();
+            let of = (&file.spec_for(choice), &choice.modelling);
+            let mode = mesh_mode(label, of, &file.context.models, 0).unwrap();
+            let expected = 0.5 * beta * TAU * mode.frequency_hz.unwrap();
+            let found = ratio(file, label);
+            println!("{label}: {found:.5} for {expected:.5}");
+            assert!((found / expected - 1.0).abs() < 0.01, "{label}: {found}");
+        }
+    }
+
+    /// Damping without loads, twice, or of no sense is refused where it stands.
+    #[test]
+    fn what_cannot_be_is_refused() {
+        let refused = |from: &str, to: &str| {
+            let mut text = shipped::shipped("loaded_mesh").unwrap().text.to_owned();
+            assert!(text.contains(from), "{from}");
+            text = text.replace(from, to);
+            let read = SceneFile::unbuilt(&Context::default(), "s", &text, Origin::Shipped, true);
+            match read {
+                Err(e) => e.to_text(),
+                Ok(mut file) => file.damp_unbuilt(&["rigid"]).unwrap_err().to_text(),
+            }
+        };
+        for (from, to, words) in [
+            ("mesh_ratio = 0.05", "", "mesh_ratio"),
+            ("mesh_ratio = 0.05", "mesh_ratio = 0.0", "positive"),
+            ("mesh_ratio = 0.05", "mesh_ratio = 1.5", "vibrate"),
+            (
+                "mesh_ratio = 0.05",
+                "mesh_ratio = 0.05, loss_factor = 0.1",
+                "more than once",
+            ),
+            (
+                "stiffness = \"compliance\"",
+                "stiffness = \"compliance\", damping = { law = \"ratio-at-load\", ratio = 0.1 }",
+                "stated by the scene already",
+            ),
+            (
+                "modes = 60",
+                "modes = 60, rayleigh = [0.0, 1e-6]",
+                "stated by the scene already",
+            ),
+            ("loads = ", "# loads = ", "no load acts"),
+        ] {
+            let text = refused(from, to);
+            assert!(text.contains(words), "{to}: {text}");
+        }
+    }
+}

@@ -11,3 +11,4 @@ mod flank_points;
 mod impact;
 mod leaving_tips;
 mod losses;
+mod retardation;
