@@ -1,21 +1,20 @@
 //! Damping that a scene states once for all of its models: the ratio of the mesh mode.
 //!
-//! Each model gets dampers proportional to its stiffness, with one retardation time `beta` for all of its parts:
+//! Each model gets dampers proportional to its stiffness, with a retardation time `beta`:
 //!
 //! | part | damper |
 //! |---|---|
 //! | elastic gears and full finite elements, with the contact of their flanks | `beta K`, by Rayleigh's second constant |
 //! | contact between rigid gears and movable teeth | `beta k` at the load, by its damping ratio there |
-//! | springs of movable teeth | `beta k`, unless the model gives dampers |
 //!
-//! If nothing else damps, the mesh mode has the ratio `beta omega / 2`; dampers of bearings, hubs and modes change it, and
-//! shafts add stiffness without damping. So `beta` is found by iteration on the mesh mode about the loaded state
+//! Springs of movable teeth keep the dampers that the model gives them: teeth are light, and dampers proportional to their
+//! springs would be far beyond critical. If nothing else damps or gives way, the mesh mode has the ratio `beta omega / 2`;
+//! dampers of bearings, hubs and modes change it, and springs of teeth and shafts add compliance. So `beta` is found by iteration on the mesh mode about the loaded state
 //! ([`super::mesh_mode`]). Full finite elements have too many coordinates for it: elastic gears of the same meshes, with
 //! few modes and the static compliance of the others, take their place, whose mesh mode is the same.
 
 use super::mesh_mode::{FEW, mesh_mode};
 use gearbench_models::error::BuildError;
-use gearbench_models::gear::movable_teeth::{MovableTeethParameters, PerTooth};
 use gearbench_models::gear::parameters::ModelParameters;
 use gearbench_models::gear::table::Model;
 use gearbench_models::law::Damping;
@@ -188,14 +187,6 @@ fn with_dampers(modelling: &Modelling, scene: &SceneSpec, beta: f64, omega: f64)
             };
         }
     }
-    MovableTeethParameters::change(&mut damped, |p| {
-        if p.tooth_damping_ns_per_m.is_none() && beta > 0.0 {
-            p.tooth_damping_ns_per_m = (p.tooth_stiffness_n_per_m.as_ref()).map(|k| match k {
-                PerTooth::All(k) => PerTooth::All(beta * k),
-                PerTooth::Each(k) => PerTooth::Each(k.iter().map(|k| beta * k).collect()),
-            });
-        }
-    });
     damped
 }
 
