@@ -47,7 +47,7 @@ pub fn selected_models<'s>(
     }
     let mut told = settings(scene, &taken, false);
     told.retain(|(what, _)| {
-        let parts = ["gear ", "shaft ", "mesh ", "model ", "odd"];
+        let parts = ["gear ", "shaft ", "mesh ", "damping ", "model ", "odd"];
         parts.iter().any(|p| what.starts_with(p))
     });
     told.extend(left.iter().map(|c| {

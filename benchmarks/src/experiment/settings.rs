@@ -65,6 +65,9 @@ pub fn settings(
             }
         }
     }
+    if let Some(stated) = scene.damping {
+        row("damping of all models", stated.to_text());
+    }
     for choice in choices {
         row(
             &format!("model {}", choice.label),

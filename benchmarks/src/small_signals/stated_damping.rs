@@ -21,6 +21,7 @@ use gearbench_models::law::Damping;
 use gearbench_models::spec::{ModelSpec, Modelling, SceneSpec};
 use gearbench_reference::full_order::FullOrderParameters;
 use gearbench_reference::reduction::ElasticParameters;
+use gearbench_reports::numbers::short;
 use std::f64::consts::TAU;
 
 /// Modes per gear of the elastic gears that are analysed.
@@ -53,6 +54,23 @@ impl StatedDamping {
             StatedDamping::MeshRatio(ratio) => ratio,
             StatedDamping::LossFactor(factor) => 0.5 * factor,
             StatedDamping::Rayleigh([alpha, beta]) => 0.5 * (alpha / omega + beta * omega),
+        }
+    }
+
+    /// Returns the damping in words.
+    pub fn to_text(self) -> String {
+        match self {
+            StatedDamping::MeshRatio(ratio) => {
+                format!("mesh mode {} % of critical", short(100.0 * ratio, 3))
+            }
+            StatedDamping::LossFactor(factor) => {
+                format!("loss factor {} at the mesh mode", short(factor, 3))
+            }
+            StatedDamping::Rayleigh([alpha, beta]) => format!(
+                "{} 1/s times the mass and {} us times the stiffness",
+                short(alpha, 3),
+                short(1e6 * beta, 3)
+            ),
         }
     }
 

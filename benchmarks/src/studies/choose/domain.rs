@@ -4,6 +4,7 @@ use super::plan::CandidateData;
 use super::problem::Problem;
 use gearbench_models::law::Damping;
 use gearbench_models::spec::{Body, Mount, Profile};
+use gearbench_reference::reduction::ElasticParameters;
 use gearbench_reports::numbers::short;
 use std::f64::consts::{PI, TAU};
 
@@ -126,6 +127,13 @@ pub fn outside(problem: &Problem, prepared: &CandidateData) -> Vec<String> {
         if matches!(c.damping, Damping::RatioAtLoad { .. }) {
             found.push("contact is damped by a ratio at load; checked was damping of modes".into());
         }
+    }
+    let retarded = |g: &ElasticParameters| g.rayleigh.is_some_and(|[_, beta]| beta > 0.0);
+    if prepared.details.lead.gears.iter().any(retarded) {
+        found.push(
+            "bodies are damped in proportion to their stiffness; checked was damping of modes"
+                .into(),
+        );
     }
     if let Some(why) = &prepared.details.no_half_spaces {
         found.push(format!(

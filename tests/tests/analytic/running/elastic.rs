@@ -16,6 +16,7 @@ fn loaded_mesh(modal: f64) -> (SceneSpec, Modelling) {
     .unwrap();
     let mut modelling = file.model("elastic").unwrap().modelling.clone();
     for gear in &mut modelling.gears {
+        gear.parameters.remove("rayleigh");
         gear.parameters
             .insert("damping_ratio".into(), Value::Number(modal));
     }
