@@ -90,17 +90,17 @@ pub(super) fn check_once(
         OneOrMany::One(one) => std::slice::from_ref(one),
         OneOrMany::Many(several) => several,
     };
-    if let Some(i) = contacts.iter().position(|c| !is_default(&c.damping)) {
-        if !gears.iter().all(of_elements) {
-            let all = at.key("contact");
-            let own = all.member(i);
-            return twice(match own.exists() {
-                true => own.key("damping"),
-                false => all.key("damping"),
-            });
-        }
-    }
-    Ok(())
+    // Elastic gears may have dampers at their flanks as well.
+    let own = contacts.iter().position(|c| !is_default(&c.damping));
+    let Some(i) = own.filter(|_| !gears.iter().all(of_elements)) else {
+        return Ok(());
+    };
+    let all = at.key("contact");
+    let of_mesh = all.member(i);
+    twice(match of_mesh.exists() {
+        true => of_mesh.key("damping"),
+        false => all.key("damping"),
+    })
 }
 
 impl SceneFile {

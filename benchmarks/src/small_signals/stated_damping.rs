@@ -266,7 +266,6 @@ mod tests {
             for (label, file) in all {
                 let name = file.name.clone();
                 let found = ratio(file, label);
-                println!("{name}, {label}: {found:.5} for {stated}");
                 assert!(
                     (found / stated - 1.0).abs() < 0.03,
                     "{name}, {label}: {found}"
@@ -290,7 +289,6 @@ mod tests {
             let mode = mesh_mode(label, of, &file.context.models, 0).unwrap();
             let expected = 0.5 * beta * TAU * mode.frequency_hz.unwrap();
             let found = ratio(file, label);
-            println!("{label}: {found:.5} for {expected:.5}");
             assert!((found / expected - 1.0).abs() < 0.01, "{label}: {found}");
         }
     }
