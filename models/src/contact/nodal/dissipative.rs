@@ -25,6 +25,10 @@
 //! (With `b` in place of `r` an impact loses twice as much as that of finite elements.) Sliding speeds have no such
 //! correction.
 //!
+//! **Retardation.** Where bodies are damped in proportion to their stiffness, residual compliance and point are one
+//! Kelvin-Voigt element: the law sees the gap `g + beta b`, besides the rate of its own dashpot
+//! ([`retarded`](crate::law::retarded)).
+//!
 //! The impulses on both sides of an instant are then the implicit midpoint rule for the dashpots, `v+ - v- = h M^-1
 //! B^T N((v+ + v-)/2)`, and for friction likewise: of second order, and stable whatever `c h / m`, so that sticking
 //! friction does not chatter however steep its regularisation is (E. Hairer, Ch. Lubich, G. Wanner, *Geometric
@@ -267,7 +271,7 @@ impl DissipativeSolve {
             let PortPoint { normal, sliding } = self.points[i];
             let slopes = [-s.force.dn_dg, -s.force.dn_dgdot];
             if slopes != [0.0; 2] {
-                let retarded = -s.by_seen()[1];
+                let retarded = s.retarded_damping();
                 if slopes[1] == 0.0 || self.ports.answer.is_empty() {
                     self.respond(&normal, [slopes[0], slopes[1] + retarded]);
                 } else {

@@ -253,16 +253,16 @@ impl PointBasedSolve {
             self.matrix.clear();
             let rows = self.compliance.chunks_exact(points);
             for (i, (c, y)) in rows.zip(self.mobility.chunks_exact(points)).enumerate() {
-                let (slopes, [_, retarded]) = (&springs[i].force, springs[i].by_seen());
+                let (slopes, retarded) = (&springs[i].force, springs[i].retarded_damping());
                 let (damped, before) = match self.before.get(i * points..(i + 1) * points) {
-                    None => (slopes.dn_dgdot + retarded, None),
-                    Some(before) => (slopes.dn_dgdot, Some(before)),
+                    None => (retarded - slopes.dn_dgdot, None),
+                    Some(before) => (-slopes.dn_dgdot, Some(before)),
                 };
                 let entries = c.iter().zip(y);
-                (self.matrix).extend(entries.map(|(c, y)| -slopes.dn_dg * c - damped * y));
+                (self.matrix).extend(entries.map(|(c, y)| -slopes.dn_dg * c + damped * y));
                 let row = &mut self.matrix[i * points..];
                 for (x, y) in row.iter_mut().zip(before.into_iter().flatten()) {
-                    *x -= retarded * y;
+                    *x += retarded * y;
                 }
                 row[i] += 1.0;
             }

@@ -80,14 +80,11 @@ impl Spring {
         self.force = self.law.at_point(seen, rate, self.stiffness);
     }
 
-    /// Returns the derivatives of the normal force by the gap and by its rate before residual compliance, apart from
-    /// that of its own dashpot.
+    /// Returns the damping of the retardation [N s/m]: the negative derivative of the normal force by the rate of the gap
+    /// before residual compliance, without the point's own dashpot.
     #[inline]
-    pub fn by_seen(&self) -> [f64; 2] {
-        [
-            self.force.dn_dg * self.seen_by.gap,
-            self.force.dn_dg * self.seen_by.rate,
-        ]
+    pub(super) fn retarded_damping(&self) -> f64 {
+        -self.force.dn_dg * self.seen_by.rate
     }
 
     /// Returns the first and last node with a weight.

@@ -9,8 +9,8 @@
 //!
 //! with the derivatives `D_g`, `D_r` of the laws, the points' rows `V`, and `D` by which the nodes follow
 //! ([`DissipativeSolve`](crate::contact::nodal::DissipativeSolve)); with a retardation time `beta`, `h` has `D_g beta V
-//! dy'` as well. With the weights of a Newton matrix `h = D_c V y`, `D_c = (c.k + c.d beta) D_g + c.d D_r D`, so forces respond with `T = V^T D_c V + (W^T D_g V)^T (I + R S)^-1 R (W^T D_c V)`, and
-//! the correction is
+//! dy'` as well. With the weights of a Newton matrix `h = D_c V y`, `D_c = (c.k + c.d beta) D_g + c.d D_r D`, so forces
+//! respond with `T = V^T D_c V + (W^T D_g V)^T (I + R S)^-1 R (W^T D_c V)`, and the correction is
 //!
 //! ```text
 //! (I - G T) y = y0,    G = E A0^-1 E^T,    x = x0 + A0^-1 E^T T y
