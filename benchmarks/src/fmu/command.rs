@@ -20,7 +20,9 @@ fn bad(why: impl Into<String>, help: impl Into<String>) -> Refusal {
 
 /// Packs a model of a scene as an FMU and writes the file.
 pub fn run(context: &Context, args: &Fmu) -> Result<CommandResult, Refusal> {
-    let scene = scene_file::load_for(context, &args.scene, Selection::None)?;
+    let mut scene = scene_file::load_for(context, &args.scene, Selection::None)?;
+    let label = choice(args, &scene)?.label.clone();
+    scene.damp_unbuilt(&[&label])?;
     let choice = choice(args, &scene)?;
     let path = (args.out.clone()).unwrap_or_else(|| format!("{}.fmu", scene.name).into());
     let mut inputs = scene.inputs();

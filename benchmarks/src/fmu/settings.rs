@@ -117,7 +117,8 @@ pub fn open(resources: &Path, token: &str) -> Result<OpenedScene, OpenError> {
     }
     let settings: Settings = serde_json::from_str(&settings)?;
     let origin = Origin::File(resources.join(SCENE));
-    let file = SceneFile::unbuilt(&Context::default(), SCENE, &text, origin, true)?;
+    let mut file = SceneFile::unbuilt(&Context::default(), SCENE, &text, origin, true)?;
+    file.damp_unbuilt(&[&settings.model])?;
     let changed = |why: &str| OpenError::Changed(why.to_owned());
     let choice = (file.model(&settings.model)).ok_or_else(|| changed("the model is missing"))?;
     let scheme = (settings.scheme()).ok_or_else(|| changed("step and tolerance are not unique"))?;

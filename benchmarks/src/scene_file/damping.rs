@@ -131,12 +131,14 @@ impl SceneFile {
         let (Some(stated), false) = (self.damping, self.models[index].is_damped) else {
             return Ok(None);
         };
-        let choice = &self.models[index];
-        let (spec, mut modelling) = (self.spec_for(choice), choice.modelling.clone());
-        let more = stated.give(&spec, &mut modelling, &self.context.models)?;
+        let (spec, models) = (
+            self.spec_for(&self.models[index]),
+            self.context.models.clone(),
+        );
         let choice = &mut self.models[index];
-        (choice.modelling, choice.is_damped) = (modelling, true);
-        let label = choice.label.clone();
+        let more = stated.give(&spec, &mut choice.modelling, &models)?;
+        choice.is_damped = true;
+        let label = &choice.label;
         Ok(more.map(|ratio| {
             self.document.at("damping").error(
                 format!(

@@ -20,6 +20,17 @@ pub const FEW: usize = 300;
 /// decomposition.
 pub const FEW_OVER_CYCLE: usize = 150;
 
+/// Modes per gear of elastic gears whose mesh mode is computed: residual compliance has the rest.
+const MODES: usize = 50;
+/// Coordinates of a hub at most.
+const HUB: usize = 6;
+
+/// Returns the modes of each of so many elastic gears with which their mesh mode is computed in at most [`FEW`]
+/// coordinates.
+pub fn few_modes(gears: usize) -> usize {
+    MODES.min((FEW / gears.max(1)).saturating_sub(HUB))
+}
+
 /// The mesh mode of a loaded scene in its equilibrium.
 pub fn mesh_mode_of(
     label: &str,

@@ -9,11 +9,11 @@
 //!
 //! Springs of movable teeth keep the dampers that the model gives them: teeth are light, and dampers proportional to their
 //! springs would be far beyond critical. If nothing else damps or gives way, the mesh mode has the ratio `beta omega / 2`;
-//! dampers of bearings, hubs and modes change it, and springs of teeth and shafts add compliance. So `beta` is found by iteration on the mesh mode about the loaded state
-//! ([`super::mesh_mode`]). Full finite elements have too many coordinates for it: elastic gears of the same meshes, with
+//! dampers of bearings, hubs and modes change it, and springs of teeth and shafts add compliance. So `beta` is found by
+//! iteration on the mesh mode about the loaded state ([`super::mesh_mode`]). Full finite elements have too many coordinates for it: elastic gears of the same meshes, with
 //! few modes and the static compliance of the others, take their place, whose mesh mode is the same.
 
-use super::mesh_mode::{FEW, mesh_mode};
+use super::mesh_mode::{few_modes, mesh_mode};
 use gearbench_models::error::BuildError;
 use gearbench_models::gear::parameters::ModelParameters;
 use gearbench_models::gear::table::Model;
@@ -24,12 +24,8 @@ use gearbench_reference::reduction::ElasticParameters;
 use gearbench_reports::numbers::short;
 use std::f64::consts::TAU;
 
-/// Modes per gear of the elastic gears that are analysed.
-const MODES: usize = 50;
-/// Coordinates of a hub at most.
-const HUB: usize = 6;
-/// Relative error of the ratio, after so many trials at most.
-const WITHIN: f64 = 1e-4;
+/// Relative error of the ratio of a mesh mode, after so many trials at most.
+pub const WITHIN: f64 = 1e-4;
 const TRIALS: usize = 12;
 /// Factor of the first value beyond which a damper does not damp the mesh mode.
 const MOST: f64 = 1e3;
@@ -160,7 +156,7 @@ pub fn of_elements(gear: &ModelSpec) -> bool {
 
 /// Returns a model with few coordinates that has the same mesh mode.
 fn analysed(modelling: &Modelling) -> Modelling {
-    let most = MODES.min((FEW / modelling.gears.len().max(1)).saturating_sub(HUB));
+    let most = few_modes(modelling.gears.len());
     let few = |gear: &ModelSpec| {
         if let Some(full) = FullOrderParameters::of(gear) {
             let reduced = ElasticParameters {

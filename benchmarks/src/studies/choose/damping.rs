@@ -13,18 +13,11 @@
 use super::detail::Details;
 use super::plan::elastic;
 use super::problem::Problem;
-use crate::small_signals::mesh_mode::{FEW, mesh_mode};
-use crate::small_signals::stated_damping::damper_for;
+use crate::small_signals::mesh_mode::{few_modes, mesh_mode};
+use crate::small_signals::stated_damping::{WITHIN, damper_for};
 use gearbench_models::law::Damping;
 use gearbench_models::spec::Modelling;
 use std::f64::consts::TAU;
-
-/// Modes per gear of the elastic gears whose mesh mode gives the damping.
-const MODES: usize = 50;
-/// Relative error of the ratio of a level.
-const WITHIN: f64 = 1e-4;
-/// Coordinates of a hub at most.
-const HUB: usize = 6;
 
 /// Damping of the mesh mode of elastic gears.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -39,8 +32,7 @@ impl MeshModeDamping {
     /// Computes the damping of the mesh mode of the elastic gears that serve as yardstick; `None` in a scene without
     /// loads, and where they have no such mode.
     pub fn of(problem: &Problem, details: &Details) -> Option<MeshModeDamping> {
-        let gears = problem.scene.gears.len();
-        let modes = MODES.min((FEW / gears).saturating_sub(HUB));
+        let modes = few_modes(problem.scene.gears.len());
         let judge = elastic(details.judge(), modes, None);
         let mode = mesh_mode("", (&problem.scene, &judge), &problem.context.models, 0)?;
         let (frequency, ratio) = (mode.frequency_hz?, mode.damping_ratio?);

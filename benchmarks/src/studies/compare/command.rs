@@ -2,7 +2,7 @@
 
 use super::arguments::Compare;
 use super::summary::summarise;
-use super::{FramePlan, Plan, compare};
+use super::{FramePlan, Plan, REFINED, compare};
 use crate::cli::command_result::CommandResult;
 use crate::cli::exit::Exit;
 use crate::cli::study_folder::StudyFolder;
@@ -21,6 +21,9 @@ pub fn run(context: &Context, args: &Compare, command: &str) -> Result<CommandRe
         Selection::Labels(args.models.as_deref()),
     )?;
     let references = references_of(&mut scene, &args.insist)?;
+    if let Some(yardstick) = args.yardstick.as_deref().filter(|name| *name != REFINED) {
+        scene.damp_unbuilt(&[yardstick])?;
+    }
     let choices = scene.select(args.models.as_deref())?;
     let plan = Plan {
         conditions: Conditions {

@@ -32,6 +32,8 @@ pub fn run(context: &Context, args: &Precision, command: &str) -> Result<Command
         Selection::Precision(args.models.as_deref()),
     )?;
     let references = references_of(&mut scene, &args.insist)?;
+    let against: Vec<&str> = args.asked.against.iter().map(String::as_str).collect();
+    scene.damp_unbuilt(&against)?;
     let choices = scene.select_precision(args.models.as_deref())?;
     let plan = Plan::of(&scene, &choices, &references, &args.asked).map_err(refused)?;
     // The settings list the simulated model first, then the references.
