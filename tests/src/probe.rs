@@ -110,3 +110,22 @@ pub fn scales(scene: &Scene) -> (Vec<f64>, Vec<f64>) {
     SecondOrderSystem::scales(scene, &mut q, &mut v);
     (q, v)
 }
+
+/// Returns the central difference of the forces of a scene along a direction of coordinates and velocities, with a step
+/// `small` of it.
+pub fn force_slope(scene: &mut Scene, s: &State, [dq, dv]: [&[f64]; 2], small: f64) -> Vec<f64> {
+    let n = s.q.len();
+    let mut moved = |x: f64| {
+        let (mut m, mut f) = (s.clone(), vec![0.0; n]);
+        for i in 0..n {
+            m.q[i] += x * dq[i];
+            m.v[i] += x * dv[i];
+        }
+        scene.force(m.at(), &mut f);
+        f
+    };
+    let (above, below) = (moved(small), moved(-small));
+    (above.iter().zip(&below))
+        .map(|(a, b)| (a - b) / (2.0 * small))
+        .collect()
+}

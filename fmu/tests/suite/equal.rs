@@ -30,7 +30,7 @@ fn run(file: &SceneFile, model: &str, method: &str, t_end: f64) -> (Scene, Vec<f
 
 /// Largest relative difference of speeds and angles between FMU and scene.
 fn difference(name: &str, model: &str, method: &str, [step, steps]: [f64; 2], start: f64) -> f64 {
-    let file = shipped(name);
+    let file = shipped(name, model);
     let fmu = Fmu::stepping(&packed(&file, model, method, &[]));
     fmu.initialise(start);
     let mut worst = 0.0_f64;
@@ -122,7 +122,7 @@ fn a_method_under_tolerance_ends_within_it() {
 
 #[test]
 fn reset_starts_again() {
-    let file = shipped("hammer");
+    let file = shipped("hammer", "rigid");
     let fmu = Fmu::stepping(&packed(&file, "rigid", "rk4@2us", &[]));
     let run = || {
         fmu.initialise(0.0);

@@ -84,7 +84,7 @@ fn a_host_with_its_own_method_gets_the_run_of_the_scene() {
         // Forces at flank points are clipped: nothing is located, and a method of fixed steps goes over their kinks.
         ("spur_impact", "elastic", [1e-7, 1.5e-4], 0..100),
     ] {
-        let file = shipped(scene);
+        let file = shipped(scene, model);
         // Its own steps are finer by far.
         let package = packed(&file, model, "dopri5@1e-12", &[]);
         let (stepping, exchanging) = (Fmu::stepping(&package), Fmu::exchanging(&package));
@@ -111,7 +111,7 @@ fn a_host_with_its_own_method_gets_the_run_of_the_scene() {
 
 #[test]
 fn states_are_variables_with_derivatives() {
-    let file = shipped("hammer");
+    let file = shipped("hammer", "rigid");
     let fmu = Fmu::exchanging(&packed(&file, "rigid", "rk4@1us", &[]));
     fmu.set("pinion.v[1]", 21.0);
     fmu.initialise(0.0);

@@ -17,9 +17,9 @@ use gearbench::fmu::package::Package;
 use gearbench::scene_file::{Origin, SceneFile, Selection, load_for};
 use gearbench_integrators::Scheme;
 
-/// Loads a shipped scene by name.
-fn shipped(name: &str) -> SceneFile {
-    load_for(&Context::default(), name, Selection::None)
+/// Loads a shipped scene by name, with a model that is to run.
+fn shipped(name: &str, model: &str) -> SceneFile {
+    load_for(&Context::default(), name, Selection::Labels(Some(model)))
         .unwrap_or_else(|e| panic!("{name}: {}", e.to_text()))
 }
 

@@ -17,7 +17,7 @@ fn all_functions_of_the_standard_are_there() {
 
 #[test]
 fn another_scene_than_the_described_one_is_refused() {
-    let mut package = packed(&shipped("hammer"), "rigid", "rk4@2us", &[]);
+    let mut package = packed(&shipped("hammer", "rigid"), "rigid", "rk4@2us", &[]);
     assert!(Fmu::try_new(&package, false, Some("another")).is_none());
     assert!(said().contains("do not match the model description"));
     let scene = package.entries.iter_mut();
@@ -32,7 +32,12 @@ fn another_scene_than_the_described_one_is_refused() {
 
 #[test]
 fn bad_calls_end_in_errors() {
-    let fmu = Fmu::stepping(&packed(&shipped("hammer"), "rigid", "rk4@2us", &[]));
+    let fmu = Fmu::stepping(&packed(
+        &shipped("hammer", "rigid"),
+        "rigid",
+        "rk4@2us",
+        &[],
+    ));
     let refused = |status: i32, why: &str| {
         assert_eq!(status, ERROR);
         let told = said();
@@ -58,7 +63,12 @@ fn refused(status: i32, why: &str) {
 
 #[test]
 fn a_terminated_instance_neither_steps_nor_changes() {
-    let fmu = Fmu::stepping(&packed(&shipped("hammer"), "rigid", "rk4@2us", &[]));
+    let fmu = Fmu::stepping(&packed(
+        &shipped("hammer", "rigid"),
+        "rigid",
+        "rk4@2us",
+        &[],
+    ));
     refused(fmu.try_terminate(), "not initialised");
     fmu.initialise(0.0);
     fmu.step(0.0, 1e-5);
@@ -75,7 +85,12 @@ fn a_terminated_instance_neither_steps_nor_changes() {
 
 #[test]
 fn times_out_of_order_are_refused() {
-    let fmu = Fmu::stepping(&packed(&shipped("hammer"), "rigid", "rk4@2us", &[]));
+    let fmu = Fmu::stepping(&packed(
+        &shipped("hammer", "rigid"),
+        "rigid",
+        "rk4@2us",
+        &[],
+    ));
     refused(fmu.try_enter(f64::NAN, None), "start time");
     refused(fmu.try_enter(1.0, Some(0.5)), "stop time is 0.5 s");
     refused(fmu.try_enter(0.0, Some(f64::NAN)), "stop time is NaN");
@@ -94,7 +109,7 @@ fn times_out_of_order_are_refused() {
 
 #[test]
 fn states_that_are_no_numbers_are_refused() {
-    let package = packed(&shipped("hammer"), "rigid", "rk4@2us", &[]);
+    let package = packed(&shipped("hammer", "rigid"), "rigid", "rk4@2us", &[]);
     let fmu = Fmu::exchanging(&package);
     fmu.initialise(0.0);
     let good = fmu.states();
@@ -122,7 +137,7 @@ fn states_that_are_no_numbers_are_refused() {
 #[test]
 fn hubs_that_nobody_can_move_are_refused() {
     use gearbench::fmu::coupled::Coupled;
-    let file = shipped("driveline");
+    let file = shipped("driveline", "rigid");
     let refuse = |gear: &str| {
         let choice = &file.models[0];
         match Coupled::assemble(&file, choice, &[gear.to_owned()]) {
@@ -137,7 +152,7 @@ fn hubs_that_nobody_can_move_are_refused() {
 /// Racks, bearings, bodies on shafts: names and units.
 #[test]
 fn variables_have_names_and_units() {
-    let file = shipped("driveline");
+    let file = shipped("driveline", "rigid");
     let package = packed(&file, "rigid", "rk4@1us", &[]);
     let text = &package.entries[0].bytes;
     let text = String::from_utf8_lossy(text);

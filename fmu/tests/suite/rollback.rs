@@ -35,7 +35,7 @@ fn step(fmu: &Fmu, i: usize) -> Vec<u64> {
 }
 
 fn goes_back(scene: &str, model: &str, method: &str, sequences: usize) {
-    let file = shipped(scene);
+    let file = shipped(scene, model);
     let package = packed(&file, model, method, &[]);
     let [straight, astray] = [(); 2].map(|()| {
         let fmu = Fmu::stepping(&package);

@@ -119,22 +119,12 @@ fn tangents_are_derivatives_of_forces() {
             let (dq, dv) = (numbers.vector(&sq), numbers.vector(&sv));
             let mut df = vec![0.0; n];
             scene.tangent_times(s.at(), &dq, &dv, &mut df);
-            let mut moved = |x: f64| {
-                let (mut m, mut f) = (s.clone(), vec![0.0; n]);
-                for i in 0..n {
-                    m.q[i] += x * dq[i];
-                    m.v[i] += x * dv[i];
-                }
-                scene.force(m.at(), &mut f);
-                f
-            };
-            let (above, below) = (moved(small), moved(-small));
+            let slopes = force_slope(&mut scene, &s, [&dq, &dv], small);
             for range in &gears {
                 let work = |i: usize, x: f64| (x * sq[i]).abs();
                 let size = range.clone().fold(1e-12_f64, |m, i| m.max(work(i, df[i])));
                 for i in range.clone() {
-                    let slope = (above[i] - below[i]) / (2.0 * small);
-                    worst = worst.max(work(i, slope - df[i]) / size);
+                    worst = worst.max(work(i, slopes[i] - df[i]) / size);
                 }
             }
         }

@@ -84,22 +84,11 @@ fn derivatives_are_those_of_the_force() {
             ("velocities", none.clone(), numbers.vector(&sv)),
         ] {
             let mut df = vec![0.0; n];
-            scene.force(s.at(), &mut df);
-            df.fill(0.0);
             scene.tangent_times(s.at(), &dq, &dv, &mut df);
-            let mut moved = |x: f64| {
-                let (mut m, mut f) = (s.clone(), vec![0.0; n]);
-                for i in 0..n {
-                    m.q[i] += x * dq[i];
-                    m.v[i] += x * dv[i];
-                }
-                scene.force(m.at(), &mut f);
-                f
-            };
-            let (above, below) = (moved(small), moved(-small));
+            let slopes = force_slope(&mut scene, &s, [&dq, &dv], small);
             let work = |i: usize, x: f64| (x * sq[i]).abs();
             let size = (0..n).fold(1e-12_f64, |m, i| m.max(work(i, df[i])));
-            let off = (0..n).map(|i| work(i, (above[i] - below[i]) / (2.0 * small) - df[i]) / size);
+            let off = (0..n).map(|i| work(i, slopes[i] - df[i]) / size);
             let worst = off.fold(0.0, f64::max);
             println!("{id}, {flanks:?}: tangent of {what} off by {worst:.1e}");
             assert!(worst < 3e-3, "{id}, {flanks:?}, {what}: {worst:.1e}");
