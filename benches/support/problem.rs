@@ -113,6 +113,7 @@ impl Problem {
                 },
             }],
             shafts: vec![],
+            stages: Vec::new(),
         };
         let rigid = ModelSpec {
             id: "rigid".into(),

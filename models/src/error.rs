@@ -123,6 +123,11 @@ pub enum Subject {
         /// Name of the shaft.
         name: String,
     },
+    /// A stage without teeth.
+    Stage {
+        /// Name of the stage.
+        name: String,
+    },
     /// A parameter of a gear model.
     Parameter {
         /// Name of the gear with the model, where it is known.
@@ -143,6 +148,7 @@ impl fmt::Display for Subject {
             Subject::Gear { name, .. } => write!(f, "gear `{name}`"),
             Subject::Mesh { gears: [a, b], .. } => write!(f, "mesh of `{a}` and `{b}`"),
             Subject::Shaft { name } => write!(f, "shaft `{name}`"),
+            Subject::Stage { name } => write!(f, "stage `{name}`"),
             Subject::Parameter {
                 gear, model, key, ..
             } => {
@@ -205,6 +211,12 @@ impl BuildError {
     pub fn shaft(name: &str, why: impl Into<Reason>) -> Self {
         let name = name.into();
         Self::about(Subject::Shaft { name }, why)
+    }
+
+    /// Creates an error about a stage.
+    pub fn stage(name: &str, why: impl Into<Reason>) -> Self {
+        let name = name.into();
+        Self::about(Subject::Stage { name }, why)
     }
 
     /// Creates an error about a parameter of a model.

@@ -171,6 +171,7 @@ fn run(mesh: &str, flanks: FlankContact, folder: &Path) -> Result<Vec<f64>, Fail
             },
         }],
         shafts: vec![],
+        stages: Vec::new(),
     };
     let modelling = Modelling {
         gears: models(mesh, folder)?,

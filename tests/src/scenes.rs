@@ -80,6 +80,7 @@ pub fn pair_of(a: GearSpec, b: GearSpec, start: Start) -> SceneSpec {
         gears: vec![a, b],
         meshes: vec![mesh([0, 1], start)],
         shafts: vec![],
+        stages: Vec::new(),
     }
 }
 

@@ -72,9 +72,9 @@ fn work(torque: &[f64], angle: &[f64], from: usize) -> f64 {
     turns.zip(means).map(|(turn, torque)| turn * torque).sum()
 }
 
-/// True if a scene has several paths of torque: more than one mesh, or shafts.
+/// True if a scene has several paths of torque: more than one mesh, shafts or stages.
 pub fn has_train(spec: &SceneSpec) -> bool {
-    spec.meshes.len() > 1 || !spec.shafts.is_empty()
+    spec.meshes.len() > 1 || spec.joins_members()
 }
 
 /// Computes the torque paths of a scene; `None` for a run that ended too early.
@@ -226,22 +226,16 @@ fn of_mesh(spec: &SceneSpec, grid: &Grid<'_>, m: usize, input: f64) -> MeshPath 
 }
 
 fn shafts(spec: &SceneSpec, grid: &Grid<'_>) -> Vec<ShaftPath> {
-    let stations = spec.shafts.iter().flat_map(|s| s.stations.windows(2));
-    let member = |name: &str| {
-        let all = spec.gears.len() + spec.bodies().count();
-        (0..all).find(|i| spec.member_name(*i) == name)
-    };
-    let of = |(span, pair): (usize, &[gearbench_models::spec::Station])| {
-        let names = [0, 1].map(|k| spec.station_name(&pair[k]).to_owned());
+    let of = |(span, members): (usize, [usize; 2])| {
         let torque = grid.column(Channel::ShaftTorque(span));
-        let speed = member(&names[1]).map(|i| grid.column(Channel::Gear(i, OfGear::HubSpeed)));
+        let speed = grid.column(Channel::Gear(members[1], OfGear::HubSpeed));
         ShaftPath {
             torque_nm: grid.mean(|i| torque[i]),
-            power_w: speed.map_or(0.0, |v| grid.mean(|i| torque[i] * v[i])),
-            between: names,
+            power_w: grid.mean(|i| torque[i] * speed[i]),
+            between: members.map(|i| spec.member_name(i).to_owned()),
         }
     };
-    stations.enumerate().map(of).collect()
+    spec.spans().into_iter().enumerate().map(of).collect()
 }
 
 fn sharing(spec: &SceneSpec, grid: &Grid<'_>) -> Vec<Sharing> {

@@ -8,7 +8,7 @@ use gearbench_integrators::system::{Outputs, Report};
 use gearbench_models::gear::parameters::ModelParameters;
 use gearbench_models::scene::{Channel, OfGear, OfMesh, Scene};
 use gearbench_models::spec::{
-    self, Body, MeshSpec, Modelling, SceneSpec, ShaftSpec, mesh_layout, signed_base_radius,
+    self, Body, MeshSpec, Modelling, SceneSpec, mesh_layout, signed_base_radius,
 };
 use gearbench_reference::reduction::ElasticParameters;
 use gearbench_reports::histories::{Histories, SprungTooth};
@@ -102,10 +102,9 @@ pub fn time_series(job: &Job<'_>, scene: &Scene, history: &History) -> TimeSerie
     series
 }
 
-/// Channels of shafts: torques between stations, then motions of the bodies on them.
+/// Channels of shafts and stages: torques between members, then motions of the bodies.
 fn of_shafts(spec: &SceneSpec) -> impl Iterator<Item = Channel> + '_ {
-    let between = |s: &ShaftSpec| s.stations.len().saturating_sub(1);
-    let torques = spec.shafts.iter().map(between).sum();
+    let torques = spec.spans().len();
     let first = spec.gears.len();
     let bodies = spec.bodies().enumerate().flat_map(move |(i, body)| {
         let aside: &[OfGear] = match body.lateral {
@@ -395,7 +394,7 @@ pub fn ledger_record(
     // Without loads a mesh of two free gears keeps L1/r1 - L2/r2 (both counter-clockwise positive) as long as
     // its forces stay on the lines of action.
     let two_free = job.scene.gears.len() == 2
-        && job.scene.shafts.is_empty()
+        && !job.scene.joins_members()
         && job.scene.gears.iter().all(|g| {
             g.loads.is_empty()
                 && g.lateral.is_none()

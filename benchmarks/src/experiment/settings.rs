@@ -1,6 +1,6 @@
 //! Settings of a scene that a report lists before the results.
 
-use super::shaft_text::{guide_text, shaft_text};
+use super::shaft_text::{guide_text, shaft_text, stage_text};
 use crate::scene_file::{ModelChoice, SceneFile, formula_limits};
 use gearbench_integrators::Resolution;
 use gearbench_models::geometry::Pair;
@@ -46,6 +46,9 @@ pub fn settings(
     }
     for s in &scene.spec.shafts {
         row(&format!("shaft {}", s.name), shaft_text(&scene.spec, s));
+    }
+    for s in &scene.spec.stages {
+        row(&format!("stage {}", s.name), stage_text(&scene.spec, s));
     }
     for m in &scene.spec.meshes {
         let [a, b] = m.gears.map(|i| &scene.spec.gears[i]);

@@ -2,7 +2,7 @@
 
 use gearbench_models::law::FrictionForm;
 use gearbench_models::spec::{
-    Guide, SceneSpec, Section, SectionKind, ShaftDamping, ShaftSpec, StationMember,
+    Guide, SceneSpec, Section, SectionKind, ShaftDamping, ShaftSpec, StageSpec, StationMember,
 };
 use gearbench_reports::numbers::short;
 
@@ -30,19 +30,40 @@ pub fn shaft_text(scene: &SceneSpec, shaft: &ShaftSpec) -> String {
     };
     let damping = match shaft.damping {
         ShaftDamping::None => String::new(),
-        ShaftDamping::Time(time) => {
-            format!("; damping {} us of the stiffness", short(time * 1e6, 3))
-        }
+        ShaftDamping::Time(time) => damping_text(Some(time)),
         ShaftDamping::Ratio(ratio) => format!("; damping ratio {}", short(ratio, 3)),
     };
     format!("{}; {made}{damping}", stations.join(", "))
 }
 
+/// Describes a stage without teeth: its members, ratio and stiffness.
+pub fn stage_text(scene: &SceneSpec, stage: &StageSpec) -> String {
+    let [first, second] = stage.members.map(|i| scene.member_name(i));
+    let made = match stage.stiffness.is_finite() {
+        true => format!("{} N m/rad", short(stage.stiffness, 4)),
+        false => "rigid".to_owned(),
+    };
+    let damping = damping_text(Some(stage.damping).filter(|t| *t > 0.0));
+    format!(
+        "{first} to {second}, ratio {}; {made}{damping}",
+        short(stage.ratio, 5)
+    )
+}
+
+/// Describes damping over stiffness [s].
+fn damping_text(time: Option<f64>) -> String {
+    time.map_or_else(String::new, |time| {
+        format!("; damping {} us of the stiffness", short(time * 1e6, 3))
+    })
+}
+
 fn section_text(s: &Section) -> String {
     let length = short(s.length * 1e3, 4);
+    let damping = damping_text(s.damping).replacen(';', ",", 1);
     match &s.kind {
         SectionKind::Coupling { stiffness } => {
-            format!("coupling of {length} mm, {} N m/rad", short(*stiffness, 4))
+            let stiffness = short(*stiffness, 4);
+            format!("coupling of {length} mm, {stiffness} N m/rad{damping}")
         }
         SectionKind::Round {
             diameters: [outer, inner],
@@ -57,7 +78,7 @@ fn section_text(s: &Section) -> String {
                 n => format!(" in {n} elements"),
             };
             format!(
-                "diameter {} mm{bore} over {length} mm{elements}",
+                "diameter {} mm{bore} over {length} mm{elements}{damping}",
                 short(outer * 1e3, 4)
             )
         }

@@ -57,6 +57,11 @@ impl SceneFile {
                 let shafts = self.document.at("shafts");
                 index.map_or_else(|| model.clone(), |i| shafts.member(i).first(&["name"]))
             }
+            Subject::Stage { name } => {
+                let index = self.spec.stages.iter().position(|s| s.name == *name);
+                let stages = self.document.at("stages");
+                index.map_or_else(|| model.clone(), |i| stages.member(i).first(&["name"]))
+            }
             Subject::Mesh { gears, part } => self.place_of_mesh(model, gears, *part),
         }
     }

@@ -50,6 +50,7 @@ mod selection;
 mod shaft;
 pub mod shipped;
 pub mod source;
+mod stage;
 mod stiffness;
 pub(crate) mod study_plan;
 pub(crate) mod tables;
@@ -113,6 +114,8 @@ keys! {
         meshes: Vec<mesh::MeshTable>,
         /// tables [[shafts]]: shafts with several gears, or with gears and bodies without teeth
         shafts: Option<Vec<shaft::ShaftTable>>,
+        /// tables [[stages]]: ratios between gears or bodies whose teeth are not resolved
+        stages: Option<Vec<stage::StageTable>>,
         /// damping of the mesh mode that all models share, { mesh_ratio }, { loss_factor } or { rayleigh }; left out, each
         /// model has its own
         damping: Option<damping::SharedDampingTable>,
@@ -340,11 +343,14 @@ impl SceneFile {
             gears: gears.collect(),
             meshes,
             shafts,
+            stages: Vec::new(),
         };
         let misalignments = drafts.iter().map(|draft| draft.misalignment.as_ref());
         mesh::misalign(&mut spec, misalignments, &root.key("gears"))?;
         mesh::check_axes(&spec, keys.duration_s.0, &root.key("gears"))?;
         shaft::roll_planets(&mut spec, &root.key("gears"));
+        let stages = keys.stages.unwrap_or_default();
+        spec.stages = stage::stages(stages, &spec, &root.key("stages"))?;
         let beside = references::SceneParts {
             spec: &spec,
             labels: &labels,

@@ -20,7 +20,7 @@ use super::error::SceneError;
 use super::reading::Place;
 use gearbench_models::geometry::Side;
 use gearbench_models::spec::{
-    Load, MeshSpec, Mount, Profile, StationMember, Train, effective_radius, mesh_layout,
+    Load, MeshSpec, Mount, Profile, Train, effective_radius, mesh_layout,
 };
 use gearbench_reports::numbers::short;
 
@@ -113,21 +113,12 @@ impl Start<'_> {
 
     /// Members on shafts, with the indices of shaft and station in the file.
     fn stations(&self) -> Vec<(usize, usize, usize)> {
-        let spec = &self.scene.spec;
-        let (mut all, mut body) = (Vec::new(), spec.gears.len());
-        for (i, shaft) in spec.shafts.iter().enumerate() {
-            for (j, station) in shaft.stations.iter().enumerate() {
-                let member = match station.carries {
-                    StationMember::Gear(gear) => gear,
-                    StationMember::Body(_) => {
-                        body += 1;
-                        body - 1
-                    }
-                };
-                all.push((member, i, j));
-            }
-        }
-        all
+        let shafts = self.scene.spec.members_of_shafts();
+        let places = |(i, members): (usize, Vec<usize>)| {
+            let members = members.into_iter().enumerate();
+            members.map(move |(j, member)| (member, i, j))
+        };
+        shafts.into_iter().enumerate().flat_map(places).collect()
     }
 
     /// Place of a member among the stations of its shaft.

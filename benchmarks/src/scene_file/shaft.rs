@@ -8,7 +8,7 @@
 //!     { gear = "pinion", at_m = 0.2 },
 //! ]
 //! sections = [{ length_m = 0.2, diameter_m = 0.03 }]       # none: a rigid shaft
-//! damping_ratio = 0.01
+//! damping_ratio = 0.01                                     # of sections that do not give their own
 //! ```
 
 use super::error::SceneError;
@@ -91,6 +91,10 @@ keys! {
         divisions: Option<Count<1, 200>>,
         /// in place of a diameter: a coupling without mass that only resists twist, in N m/rad over its length
         stiffness_nm_per_rad: Option<Positive>,
+        /// damping over stiffness of this section in seconds, in place of that of the shaft
+        damping_s: Option<NotNegative>,
+        /// damper of a coupling in N m s/rad over its length, in place of that of the shaft
+        damping_nms_per_rad: Option<NotNegative>,
     }
 }
 
@@ -317,7 +321,33 @@ pub(super) fn roll_planets(spec: &mut SceneSpec, gears: &Place<'_>) {
     }
 }
 
+/// Reads the damping over stiffness of a section; `None` where it has that of its shaft.
+fn own_damping(keys: &SectionTable, at: &Place<'_>) -> Result<Option<f64>, SceneError> {
+    let time = keys.damping_s.as_ref().map(|t| t.0);
+    let Some(damper) = keys.damping_nms_per_rad.as_ref().map(|c| c.0) else {
+        return Ok(time);
+    };
+    let own = at.key("damping_nms_per_rad");
+    if time.is_some() {
+        return Err(own.against(
+            (&at.key("damping_s"), "this"),
+            "two values of damping are given",
+            "and this",
+            "give a time or a damper",
+        ));
+    }
+    match keys.stiffness_nm_per_rad.as_ref() {
+        Some(stiffness) => Ok(Some(damper / stiffness.0)),
+        None => own.refuse(
+            "a damper is given for a section with a diameter",
+            "of couplings alone",
+            "give `damping_s`, damping over stiffness",
+        ),
+    }
+}
+
 fn section(keys: SectionTable, at: &Place<'_>) -> Result<Section, SceneError> {
+    let damping = own_damping(&keys, at)?;
     let kind = match (keys.diameter_m, keys.stiffness_nm_per_rad) {
         (Some(outer), None) => SectionKind::Round {
             diameters: [outer.0, keys.inner_diameter_m.map_or(0.0, f64::from)],
@@ -354,5 +384,6 @@ fn section(keys: SectionTable, at: &Place<'_>) -> Result<Section, SceneError> {
         length: keys.length_m.0,
         kind,
         divisions: keys.divisions.map_or(1, |n| n.0),
+        damping,
     })
 }

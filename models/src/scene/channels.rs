@@ -69,7 +69,8 @@ pub enum Channel {
     Mesh(usize, OfMesh),
     /// Quantity of a gear, or of a body on a shaft behind the gears, by its index.
     Gear(usize, OfGear),
-    /// Torque of a station on the next one through their shaft, counted shaft by shaft [N m].
+    /// Torque of a member on the next one through their shaft or their stage, in the order of
+    /// [`SceneSpec::spans`] [N m].
     ShaftTorque(usize),
 }
 
@@ -187,11 +188,9 @@ impl Channel {
                 format!("{quantity}_{a}_{b}_{}", what.unit())
             }
             Channel::ShaftTorque(span) => {
-                let spans = scene.shafts.iter().flat_map(|s| {
-                    let pairs = s.stations.windows(2);
-                    pairs.map(|p| [0, 1].map(|k| scene.station_name(&p[k])))
-                });
-                let [a, b] = spans.into_iter().nth(span).unwrap_or_default();
+                let members = scene.spans().get(span).copied();
+                let [a, b] =
+                    members.map_or_else(Default::default, |m| m.map(|i| scene.member_name(i)));
                 format!("shaft_torque_{a}_{b}_nm")
             }
             Channel::Gear(g, what) => {

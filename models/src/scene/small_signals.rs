@@ -16,7 +16,7 @@
 use super::assembled::Scene;
 use super::carriers::CarrierFrameState;
 use super::contacts::ContactForce;
-use super::shafts::DeformationKind;
+use super::shafts::{DeformationKind, Origin};
 use crate::geometry::Side;
 use gearbench_integrators::system::{SecondOrderSystem, State, StateView};
 use nalgebra::DMatrix;
@@ -68,6 +68,8 @@ pub enum StrainIn {
     Stretch(usize),
     /// Bending of a shaft.
     Bend(usize),
+    /// Torsion of a stage without teeth.
+    Stage(usize),
 }
 
 /// Assembles a matrix column by column.
@@ -322,11 +324,12 @@ impl Scene {
                     0.5 * stiffness * link.dot(x).powi(2),
                 );
             }
-            let Some(shaft) = link.shaft() else { continue };
-            let place = match link.kind {
-                DeformationKind::Torsion => StrainIn::Twist(shaft),
-                DeformationKind::Stretching => StrainIn::Stretch(shaft),
-                DeformationKind::Bending => StrainIn::Bend(shaft),
+            let place = match (link.origin(), link.kind) {
+                (Origin::Guide | Origin::Ground(_), _) => continue,
+                (Origin::Stage(stage), _) => StrainIn::Stage(*stage),
+                (Origin::Shaft(shaft), DeformationKind::Torsion) => StrainIn::Twist(*shaft),
+                (Origin::Shaft(shaft), DeformationKind::Stretching) => StrainIn::Stretch(*shaft),
+                (Origin::Shaft(shaft), DeformationKind::Bending) => StrainIn::Bend(*shaft),
             };
             add(place, 0.5 * link.stiffness * link.dot(x).powi(2));
         }

@@ -8,6 +8,7 @@ mod points;
 mod profile;
 mod scene;
 mod shaft;
+mod stage;
 mod train;
 
 pub use layout::{
@@ -26,4 +27,5 @@ pub use scene::{Body, ContactSpec, GearSpec, MeshSpec, SceneSpec, Start};
 pub use shaft::{
     BodySpec, Section, SectionKind, ShaftDamping, ShaftSpec, Station, StationMember, initial_speed,
 };
+pub use stage::StageSpec;
 pub use train::Train;

@@ -1,9 +1,10 @@
-//! Specification of a scene: gears, meshes, contacts and shafts as plain data in SI units.
+//! Specification of a scene: gears, meshes, contacts, shafts and stages as plain data in SI units.
 
 use super::load::Load;
 use super::mount::{Guide, Mount, OutOfPlaneSpec};
 use super::points::FlankContact;
 use super::shaft::{BodySpec, ShaftSpec, Station, StationMember};
+use super::stage::StageSpec;
 use crate::Vec3;
 use crate::geometry::{Gear, Rack, Side, Tips};
 use crate::law::{Damping, Friction};
@@ -164,12 +165,49 @@ pub struct SceneSpec {
     pub meshes: Vec<MeshSpec>,
     /// Shafts that join gears with each other and with bodies without teeth.
     pub shafts: Vec<ShaftSpec>,
+    /// Stages without teeth between members.
+    pub stages: Vec<StageSpec>,
 }
 
 impl SceneSpec {
     /// Returns the bodies without teeth, shaft by shaft; in an assembled scene they follow the gears.
     pub fn bodies(&self) -> impl Iterator<Item = &BodySpec> {
         self.shafts.iter().flat_map(ShaftSpec::bodies)
+    }
+
+    /// Returns true if shafts or stages join members.
+    pub fn joins_members(&self) -> bool {
+        !(self.shafts.is_empty() && self.stages.is_empty())
+    }
+
+    /// Returns the members of every shaft, from one end to the other: gears by index, bodies behind them.
+    pub fn members_of_shafts(&self) -> Vec<Vec<usize>> {
+        let mut body = self.gears.len();
+        let mut of = |station: &Station| match station.carries {
+            StationMember::Gear(gear) => gear,
+            StationMember::Body(_) => {
+                body += 1;
+                body - 1
+            }
+        };
+        let shafts = self.shafts.iter();
+        shafts
+            .map(|s| s.stations.iter().map(&mut of).collect())
+            .collect()
+    }
+
+    /// Returns the pairs of members between which torques are reported: neighbours on shafts, shaft by shaft, then the
+    /// members of stages.
+    pub fn spans(&self) -> Vec<[usize; 2]> {
+        let shafts = self.members_of_shafts();
+        let neighbours = shafts.iter().flat_map(|members| members.windows(2));
+        let stages = self.stages.iter().map(|s| s.members);
+        neighbours.map(|w| [w[0], w[1]]).chain(stages).collect()
+    }
+
+    /// Returns true for a member that is a rack.
+    pub fn is_rack(&self, member: usize) -> bool {
+        (self.gears.get(member)).is_some_and(|g| matches!(g.body, Body::Rack(_)))
     }
 
     /// Returns the names of the two gears of a mesh, given by their indices.

@@ -7,9 +7,6 @@ use crate::stiffness::Material;
 
 /// A shaft: the members that it carries from one end to the other, and the sections between them.
 ///
-/// Without sections it is rigid: all members move as one body. With sections it is an elastic beam in torsion; if a
-/// member has out-of-plane freedom, it bends and stretches as well.
-///
 /// Without sections it is rigid: all that it carries moves as one body. With sections it is an elastic beam; it is twisted
 /// only, unless something on it may move sideways, and then it bends and stretches as well.
 #[derive(Clone, Debug, Default)]
@@ -73,6 +70,8 @@ pub struct Section {
     pub kind: SectionKind,
     /// Number of beam elements, at least one; a station within a section divides it as well.
     pub divisions: usize,
+    /// Damping over stiffness of this section [s]; `None` uses the damping of the shaft.
+    pub damping: Option<f64>,
 }
 
 /// Kind of a section of a shaft.
@@ -249,6 +248,12 @@ impl Section {
         }
         if self.divisions == 0 {
             return Some(("no element".into(), "give at least one division"));
+        }
+        if let Some(time) = self.damping.filter(|t| !(*t >= 0.0 && t.is_finite())) {
+            return Some((
+                format!("the damping {time} s is not zero or positive"),
+                "give a time in seconds, damping over stiffness",
+            ));
         }
         match &self.kind {
             SectionKind::Coupling { stiffness } => (!good(*stiffness)).then(|| {

@@ -7,14 +7,14 @@
 //!
 //! `c = R_a (w_a - W) + R_b (w_b - W)`
 //!
-//! (left flanks; right flanks at `-c`). In step all `c` are zero, the members of a shaft have one speed and held hubs have
-//! none. These equations `G w = 0` are linear and do not depend on the position of the teeth. The same rows give the
+//! (left flanks; right flanks at `-c`). In step all `c` are zero, the members of a shaft have one speed, those of a stage
+//! speeds in its ratio, and held hubs have none. These equations `G w = 0` are linear and do not depend on the position of the teeth. The same rows give the
 //! normal forces of rigid gears that stay in mesh: `M a = T - G' N` and `G a = 0`, so that `G M^-1 G' N = G M^-1 T`; a
 //! positive `N` presses left flanks, a negative one right flanks.
 
 use super::scene::{MeshSpec, SceneSpec};
 use super::signed_effective_radius;
-use super::{BodySpec, Load, Mount, StationMember, effective_radius, initial_speed};
+use super::{BodySpec, Load, Mount, StageSpec, effective_radius, initial_speed};
 use nalgebra::{DMatrix, DVector};
 
 /// Magnitude below which a coefficient is rounding: ratios of teeth are of order one.
@@ -29,7 +29,8 @@ pub struct Train<'s> {
     carriers: Vec<Option<usize>>,
     /// Initial speeds of the members.
     speeds: Vec<f64>,
-    /// One equation of every mesh, in the order of the meshes, then one of every pair of neighbours on a shaft.
+    /// One equation of every mesh, in the order of the meshes, then one of every pair of neighbours on a shaft and of
+    /// every stage.
     rows: Vec<Vec<f64>>,
     /// For every member, the first one of those with dependent motions.
     joined: Vec<usize>,
@@ -125,7 +126,8 @@ impl<'s> Train<'s> {
             equations: Equations::default(),
         };
         let meshes = spec.meshes.iter().map(|m| train.mesh_row(m));
-        train.rows = meshes.chain(train.shaft_rows()).collect();
+        let others = train.shaft_rows().into_iter().chain(train.stage_rows());
+        train.rows = meshes.chain(others).collect();
         let n = train.members();
         train.joined = components(n, &train.rows);
         let held = (0..n).filter(|i| matches!(train.mount(*i), Mount::Fixed));
@@ -291,22 +293,19 @@ impl<'s> Train<'s> {
     }
 
     fn shaft_rows(&self) -> Vec<Vec<f64>> {
-        let (mut rows, mut body) = (Vec::new(), self.spec.gears.len());
-        for shaft in &self.spec.shafts {
-            let mut members = Vec::new();
-            for station in &shaft.stations {
-                members.push(match station.carries {
-                    StationMember::Gear(gear) => gear,
-                    StationMember::Body(_) => {
-                        body += 1;
-                        body - 1
-                    }
-                });
-            }
-            let pairs = members.windows(2);
-            rows.extend(pairs.map(|pair| self.row([(pair[0], 1.0), (pair[1], -1.0)])));
-        }
-        rows
+        let shafts = self.spec.members_of_shafts();
+        let pairs = shafts.iter().flat_map(|members| members.windows(2));
+        pairs
+            .map(|pair| self.row([(pair[0], 1.0), (pair[1], -1.0)]))
+            .collect()
+    }
+
+    fn stage_rows(&self) -> Vec<Vec<f64>> {
+        let row = |stage: &StageSpec| {
+            let [first, second] = stage.members;
+            self.row([(first, 1.0), (second, -stage.ratio)])
+        };
+        self.spec.stages.iter().map(row).collect()
     }
 }
 

@@ -49,6 +49,7 @@ fn pair(side: Side) -> SceneSpec {
             },
         }],
         shafts: vec![],
+        stages: Vec::new(),
     }
 }
 

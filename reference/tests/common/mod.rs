@@ -37,6 +37,7 @@ pub fn scene(gears: [Gear; 2], material: Material, distance: f64) -> SceneSpec {
             },
         }],
         shafts: vec![],
+        stages: Vec::new(),
     }
 }
 

@@ -218,6 +218,7 @@ fn tangents_and_corrections_know_guides() {
             length: 0.1,
             kind: gearbench_models::spec::SectionKind::Coupling { stiffness: 900.0 },
             divisions: 1,
+            damping: None,
         }],
         ..ShaftSpec::default()
     });

@@ -217,6 +217,7 @@ fn train(torque: f64) -> SceneSpec {
             mesh([1, 2], start(Side::Right, 2e-6)),
         ],
         shafts: vec![],
+        stages: Vec::new(),
     }
 }
 

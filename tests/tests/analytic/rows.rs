@@ -255,6 +255,7 @@ fn idler_train() -> SceneSpec {
             mesh([1, 2], start(Side::Right, 3e-6)),
         ],
         shafts: vec![],
+        stages: Vec::new(),
     }
 }
 

@@ -247,6 +247,7 @@ fn order_is_no_matter() {
             ],
             gears,
             shafts,
+            stages: Vec::new(),
         }
     };
     let [one, other] = [["a", "b", "c"], ["c", "a", "b"]]

@@ -54,6 +54,7 @@ fn train(models: [ModelSpec; 3], mounts: [Mount; 3], torques: [f64; 2], side: Si
         gears,
         meshes,
         shafts: vec![],
+        stages: Vec::new(),
     };
     build(&spec, &models, &contact(2e10))
 }
@@ -105,6 +106,7 @@ fn a_train_carries_its_load_in_motion() {
         gears: vec![first, idler, last],
         meshes,
         shafts: vec![],
+        stages: Vec::new(),
     };
     let damping = Damping::KelvinVoigtRatio { ratio: 0.15 };
     let contact = ContactSpec {

@@ -3,7 +3,7 @@
 use super::super::SceneTable;
 use super::super::{
     calibration_choice, contact, contact_points, damping, deviations, gear, material, mesh, model,
-    modifications, out_of_plane, profile, references, shaft, stiffness, study_plan,
+    modifications, out_of_plane, profile, references, shaft, stage, stiffness, study_plan,
 };
 use crate::studies::{check, precision, stability, sweep};
 
@@ -46,6 +46,7 @@ pub(crate) fn tables() -> impl Iterator<Item = &'static Table> {
         &shaft::ShaftTable::TABLE,
         &shaft::StationTable::TABLE,
         &shaft::SectionTable::TABLE,
+        &stage::StageTable::TABLE,
         &model::ModelTable::TABLE,
         &model::GearModelTable::TABLE,
         &references::ReferenceTable::TABLE,

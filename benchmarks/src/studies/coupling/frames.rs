@@ -101,7 +101,7 @@ impl HostError {
 /// # Errors
 /// [`HostError`].
 pub fn frames(spec: &SceneSpec, scene: &mut Scene) -> Result<Vec<Frame>, HostError> {
-    if !spec.shafts.is_empty() {
+    if spec.joins_members() {
         return Err(HostError::Shafts);
     }
     let s = scene.initial();

@@ -66,6 +66,10 @@ pub fn name_of(place: StrainIn, scene: &Scene, spec: &SceneSpec) -> String {
         StrainIn::Twist(i) => format!("torsion of {}", shaft(i)),
         StrainIn::Stretch(i) => format!("stretching of {}", shaft(i)),
         StrainIn::Bend(i) => format!("bending of {}", shaft(i)),
+        StrainIn::Stage(i) => format!(
+            "stage {}",
+            spec.stages.get(i).map_or("", |s| s.name.as_str())
+        ),
     }
 }
 

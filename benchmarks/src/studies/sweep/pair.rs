@@ -99,6 +99,12 @@ impl Pair {
                 shaft.name
             ));
         }
+        if let Some(stage) = spec.stages.first() {
+            return Err(format!(
+                "a sweep needs two gears without stages, but the scene has the stage `{}`",
+                stage.name
+            ));
+        }
         if let Some(guided) = [a, b].iter().find(|g| g.guide.is_some()) {
             return Err(format!(
                 "a sweep needs gears that rotate freely, but `{}` has a guide",

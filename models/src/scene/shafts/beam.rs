@@ -71,6 +71,15 @@ fn difference(kind: DeformationKind, direction: usize, stiffness: f64) -> Mode {
     }
 }
 
+/// Returns the torsion between the members of a stage, whose first member turns `ratio` times as fast as the second.
+pub(super) fn stage(ratio: f64, stiffness: f64) -> Mode {
+    Mode {
+        kind: DeformationKind::Torsion,
+        ends: [unit(5, -ratio.recip()), unit(5, 1.0)],
+        stiffness,
+    }
+}
+
 /// Direction of the displacement, of the rotation, and the sign of the slope of the rotation, in both planes of
 /// bending.
 const PLANES: [(usize, usize, f64); 2] = [(0, 4, 1.0), (1, 3, -1.0)];

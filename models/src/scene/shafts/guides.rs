@@ -10,7 +10,7 @@
 //! does not change, so that reversals are events where events are located. A reversal is detected by a speed slightly
 //! beyond zero, so that rounding does not reverse a body at rest.
 
-use super::links::{Link, to_ground};
+use super::links::{Link, Origin, to_ground};
 use crate::error::{BuildError, GearPart};
 use crate::law::{DryFriction, Part};
 use crate::scene::assembled::Scene;
@@ -134,7 +134,7 @@ impl Scene {
         link: &Link,
         at: StateView<'_>,
     ) -> Option<(usize, f64)> {
-        let guides = link.shaft().is_none() && !link.is_rigid();
+        let guides = matches!(link.origin(), Origin::Guide) && !link.is_rigid();
         guides.then(|| (link.members[0], link.slopes(&self.gears, at)[0]))
     }
 
@@ -189,7 +189,8 @@ impl Scene {
     /// Returns the force of the guide of a member along its motion, from the last [`Self::evaluate_links`].
     pub(in crate::scene) fn force_of_guide(&self, member: usize) -> f64 {
         let links = self.shafts.springs().iter().zip(self.acting_links());
-        let own = links.filter(|(l, _)| l.shaft().is_none() && l.members[0] == member);
+        let own =
+            links.filter(|(l, _)| matches!(l.origin(), Origin::Guide) && l.members[0] == member);
         own.map(|(_, force)| force).sum()
     }
 }

@@ -262,14 +262,14 @@ impl Scene {
     /// Returns the torque with which the ground fixes or drives a member of a planetary set [N m].
     pub(in crate::scene) fn torque_of_ground(&self, member: usize) -> f64 {
         let links = self.shafts.links.iter().zip(&self.work.shafts.acting);
-        let own = links.filter(|(l, _)| l.ground.as_ref().is_some_and(|g| g.member == member));
+        let own = links.filter(|(l, _)| l.ground().is_some_and(|g| g.member == member));
         own.map(|(_, force)| force).sum()
     }
 
     /// Returns the power of the drives of planetary sets, from the forces of the last [`Self::evaluate_links`] [W].
     pub(in crate::scene) fn power_of_grounds(&self, t: f64) -> f64 {
         let links = self.shafts.links.iter().zip(&self.work.shafts.acting);
-        let power = links.filter_map(|(l, force)| Some(force * l.ground.as_ref()?.motion(t)[0]));
+        let power = links.filter_map(|(l, force)| Some(force * l.ground()?.motion(t)[0]));
         power.sum()
     }
 
@@ -287,7 +287,7 @@ impl Scene {
         c.k * stiffness + c.d * damping
     }
 
-    /// Computes the torques of stations on the next one through the shaft [N m].
+    /// Computes the torques of members on the next one through their shaft or stage [N m].
     pub(in crate::scene) fn fill_shaft_torques(&self, channels: &mut [f64]) {
         for (channel, link) in channels.iter_mut().zip(&self.shafts.torques) {
             *channel = link.map_or(0.0, |i| self.work.shafts.acting[i]);

@@ -2,7 +2,7 @@
 
 use super::beam::DeformationKind;
 use super::guides::{CELLS, GuideFriction, of_guide};
-use super::plan::{Element, Plan};
+use super::plan::{Element, ElementDamping, Plan};
 use crate::kinematics::Direction;
 use crate::scene::carriers::Ground;
 use crate::scene::members::SceneGear;
@@ -25,7 +25,20 @@ pub(super) struct Share {
     pub weight: f64,
 }
 
-/// A mode of deformation of a piece of a shaft between two members.
+/// The part of a scene that a link stands for.
+#[derive(Clone, Debug)]
+pub(in crate::scene) enum Origin {
+    /// A piece of a shaft, by the index of the shaft.
+    Shaft(usize),
+    /// A stage without teeth, by its index.
+    Stage(usize),
+    /// The support of one member.
+    Guide,
+    /// The ground that fixes or drives a member of a planetary set, with its motion.
+    Ground(Ground),
+}
+
+/// A mode of deformation of a piece of a shaft, or of a stage, between two members.
 #[derive(Clone, Debug)]
 pub(in crate::scene) struct Link {
     pub kind: DeformationKind,
@@ -39,18 +52,23 @@ pub(in crate::scene) struct Link {
     /// Stiffness; infinite for a rigid link.
     pub stiffness: f64,
     pub damping: f64,
-    /// Index of the shaft of the piece; `None` for the ground of a planetary set.
-    pub(super) shaft: Option<usize>,
-    /// Ground of a rigid link, with its motion.
-    pub(super) ground: Option<Ground>,
+    pub(super) origin: Origin,
     /// Friction of a guide.
     pub(super) guide_friction: Option<GuideFriction>,
 }
 
 impl Link {
-    /// Returns the index of the shaft of the piece.
-    pub fn shaft(&self) -> Option<usize> {
-        self.shaft
+    /// Returns the part of the scene that the link stands for.
+    pub fn origin(&self) -> &Origin {
+        &self.origin
+    }
+
+    /// Returns the ground that the link fixes a member to, if any.
+    pub(super) fn ground(&self) -> Option<&Ground> {
+        match &self.origin {
+            Origin::Ground(ground) => Some(ground),
+            Origin::Shaft(_) | Origin::Stage(_) | Origin::Guide => None,
+        }
     }
 
     pub fn is_rigid(&self) -> bool {
@@ -93,7 +111,7 @@ impl Link {
 
     /// Returns the prescribed acceleration of the row of a rigid link.
     pub fn acceleration(&self, t: f64) -> f64 {
-        self.ground.as_ref().map_or(0.0, |g| g.motion(t)[1])
+        self.ground().map_or(0.0, |g| g.motion(t)[1])
     }
 
     /// Returns the force of an elastic link along its row.
@@ -154,8 +172,15 @@ impl Shafts {
     ) -> Self {
         let mut of_spans = Vec::new();
         let mut all = Vec::new();
+        // For every link of an element, whether it has the damping of its shaft.
+        let mut shares = Vec::new();
         for element in &plan.elements {
             let links = of_element(element, gears);
+            shares.extend(
+                links
+                    .iter()
+                    .map(|_| element.damping == ElementDamping::OfShaft),
+            );
             if element.begins {
                 let torsion = links
                     .iter()
@@ -173,8 +198,10 @@ impl Shafts {
                 DeformationKind::Stretching,
                 DeformationKind::Bending,
             ] {
-                let mut own: Vec<&mut Link> = (all.iter_mut())
-                    .filter(|l| l.shaft == Some(shaft) && l.kind == kind && !l.is_rigid())
+                let is_of = |l: &Link| matches!(l.origin, Origin::Shaft(of) if of == shaft);
+                let mut own: Vec<(&mut Link, bool)> = (all.iter_mut())
+                    .zip(shares.iter().copied())
+                    .filter(|(l, _)| is_of(l) && l.kind == kind && !l.is_rigid())
                     .collect();
                 let time = match damping {
                     ShaftDamping::None => 0.0,
@@ -183,7 +210,9 @@ impl Shafts {
                         lowest(&own, mass, gears).map_or(0.0, |w| 2.0 * ratio / w)
                     }
                 };
-                own.iter_mut().for_each(|l| l.damping = time * l.stiffness);
+                for (link, _) in own.iter_mut().filter(|(_, shares)| *shares) {
+                    link.damping = time * link.stiffness;
+                }
             }
         }
         // Elastic links first, then those rigid links that are linearly independent.
@@ -249,7 +278,7 @@ impl Shafts {
 
     /// Returns the grounds that fix and drive gears of planetary sets.
     pub fn grounds(&self) -> impl Iterator<Item = &Ground> {
-        self.rigid().iter().filter_map(|l| l.ground.as_ref())
+        self.rigid().iter().filter_map(Link::ground)
     }
 
     /// Stores the products with the inverse of a constant diagonal mass.
@@ -293,23 +322,23 @@ fn of_element(element: &Element, gears: &[SceneGear]) -> Vec<Link> {
             shares: Vec::new(),
             members: element.members,
             stiffness: mode.stiffness,
-            damping: 0.0,
-            shaft: Some(element.shaft),
-            ground: None,
+            damping: match element.damping {
+                ElementDamping::Time(time) if mode.stiffness.is_finite() => time * mode.stiffness,
+                ElementDamping::OfShaft | ElementDamping::Time(_) => 0.0,
+            },
+            origin: element.origin.clone(),
             guide_friction: None,
         };
-        for (end, &member) in mode.ends.iter().zip(&element.members) {
+        for ((end, &member), axes) in mode.ends.iter().zip(&element.members).zip(&element.axes) {
             let gear = &gears[member];
             let hub = gear.model.hub();
             let largest = end.iter().fold(0.0_f64, |m, w| m.max(w.abs()));
             let free: Vec<usize> = hub.free_directions().collect();
             for (direction, what) in hub.directions().iter().enumerate() {
-                // Along the direction of the hub, by the axes of the shaft.
+                // Along the direction of the hub, by the axes of the end.
                 let first = 3 * (direction / 3);
                 let axis = &hub.axes[direction % 3];
-                let weight: f64 = (0..3)
-                    .map(|k| end[first + k] * element.axes[k].dot(axis))
-                    .sum();
+                let weight: f64 = (0..3).map(|k| end[first + k] * axes[k].dot(axis)).sum();
                 if weight.abs() <= ROUNDING * largest {
                     continue;
                 }
@@ -361,8 +390,7 @@ pub(super) fn to_ground(member: usize, gears: &[SceneGear]) -> Link {
         members: [member; 2],
         stiffness: f64::INFINITY,
         damping: 0.0,
-        shaft: None,
-        ground: None,
+        origin: Origin::Guide,
         guide_friction: None,
     }
 }
@@ -370,14 +398,14 @@ pub(super) fn to_ground(member: usize, gears: &[SceneGear]) -> Link {
 /// Returns the link of the ground of a planetary set.
 fn of_ground(ground: &Ground, gears: &[SceneGear]) -> Link {
     Link {
-        ground: Some(ground.clone()),
+        origin: Origin::Ground(ground.clone()),
         ..to_ground(ground.member, gears)
     }
 }
 
 /// Returns the lowest positive angular frequency of some elastic links with the masses that they join [rad/s]: of
 /// bodies as a whole, whatever the mode shapes of their hubs.
-fn lowest(links: &[&mut Link], mass: &[f64], gears: &[SceneGear]) -> Option<f64> {
+fn lowest(links: &[(&mut Link, bool)], mass: &[f64], gears: &[SceneGear]) -> Option<f64> {
     let of_hub = |i: usize| {
         let moves = |g: &&SceneGear| g.range().contains(&i);
         let owner = gears.iter().find(moves);
@@ -385,7 +413,7 @@ fn lowest(links: &[&mut Link], mass: &[f64], gears: &[SceneGear]) -> Option<f64>
     };
     let mut touched: Vec<usize> = links
         .iter()
-        .flat_map(|l| l.row.iter().map(|r| r.0))
+        .flat_map(|(l, _)| l.row.iter().map(|r| r.0))
         .filter(|i| of_hub(*i))
         .collect();
     touched.sort_unstable();
@@ -395,7 +423,7 @@ fn lowest(links: &[&mut Link], mass: &[f64], gears: &[SceneGear]) -> Option<f64>
         return None;
     }
     let mut matrix = DMatrix::<f64>::zeros(n, n);
-    for link in links {
+    for (link, _) in links {
         let of = |i: usize, w: f64| (touched.binary_search(&i).unwrap_or(0), w / mass[i].sqrt());
         let hubs = || link.row.iter().filter(|(i, _)| of_hub(*i));
         for &(i, wi) in hubs() {

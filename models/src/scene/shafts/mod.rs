@@ -12,6 +12,8 @@
 //! take both kinds as low-rank terms: with `z = A^-1 r` the links' forces `y` solve `(1/kappa + r . z) y = -r . x`,
 //! `kappa = c_k k + c_d c`, or infinite.
 //!
+//! A stage without teeth is such a link as well, between two hubs that turn in a ratio (`spec::StageSpec`).
+//!
 //! Motions are those of the hubs in their directions, linear: tilts are small, rotations arbitrary. The shaft is round
 //! and its axes do not rotate with it. Its mass is lumped at the nodes (`beam::lump`).
 //!
@@ -34,5 +36,5 @@ mod plan;
 pub(super) use beam::DeformationKind;
 pub(super) use guides::{CELLS, Guided, guides};
 pub(super) use link_forces::ShaftWork;
-pub(super) use links::{Link, Shafts};
+pub(super) use links::{Link, Origin, Shafts};
 pub(super) use plan::{Plan, ShaftBody};

@@ -1,5 +1,5 @@
 //! Shafts of a scene as bodies and elements: nodes at stations, ends of sections and divisions, with the lumped mass
-//! of the shaft.
+//! of the shaft; and stages as elements between members of different shafts.
 //!
 //! Gears keep their places in the scene. Bodies without teeth follow them, those with names first, then the nodes within
 //! sections; all of these are rigid bodies on hubs of their own.
@@ -7,6 +7,7 @@
 use super::beam::{self, LumpedMass, Mode};
 use super::consistency::{axis_of, check_names, gears_of, rigid_mount, share_mount};
 use super::guides::Guided;
+use super::links::Origin;
 use crate::Vec3;
 use crate::error::{BuildError, GearPart};
 use crate::gear::rigid::{self, Rigid};
@@ -28,12 +29,21 @@ const SAME: f64 = 1e-9;
 pub(in crate::scene) struct Element {
     pub members: [usize; 2],
     pub modes: Vec<Mode>,
-    /// Index of its shaft.
-    pub shaft: usize,
+    pub origin: Origin,
+    pub damping: ElementDamping,
     /// True if it is the first element between a station and the next.
     pub begins: bool,
-    /// Axes of the shaft.
-    pub axes: [Vec3; 3],
+    /// Axes of its ends.
+    pub axes: [[Vec3; 3]; 2],
+}
+
+/// Damping of an element.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in crate::scene) enum ElementDamping {
+    /// The damping of its shaft.
+    OfShaft,
+    /// Its own damping over stiffness [s].
+    Time(f64),
 }
 
 /// A body on a shaft, before it becomes a member of the scene.
@@ -120,7 +130,7 @@ impl Plan {
     /// Builds the plan of a scene, and the scene whose gears include the lumped inertia of their shafts.
     pub fn of(spec: &SceneSpec) -> Result<(Cow<'_, SceneSpec>, Plan), BuildError> {
         let mut plan = Plan::default();
-        if spec.shafts.is_empty() {
+        if !spec.joins_members() {
             return Ok((Cow::Borrowed(spec), plan));
         }
         check_names(spec)?;
@@ -164,20 +174,57 @@ impl Plan {
                     None => within.push(built),
                 }
             }
-            plan.add_elements(shaft, index, &nodes, axes.0);
+            plan.add_elements(shaft, index, &nodes, [axes.0; 2]);
             plan.damping.push(shaft.damping);
         }
         plan.bodies.append(&mut within);
+        plan.add_stages(spec)?;
         Ok((Cow::Owned(with), plan))
     }
 
-    fn add_elements(&mut self, shaft: &ShaftSpec, index: usize, nodes: &[Node], axes: [Vec3; 3]) {
+    /// Adds the stages without teeth, whose ends turn about the axes of their own members.
+    fn add_stages(&mut self, spec: &SceneSpec) -> Result<(), BuildError> {
+        let gears = spec.gears.len();
+        for (index, stage) in spec.stages.iter().enumerate() {
+            if spec.stages[..index].iter().any(|s| s.name == stage.name) {
+                return Err(BuildError::stage(
+                    &stage.name,
+                    ("another stage has this name", "rename one"),
+                ));
+            }
+            stage.check(spec)?;
+            let axes = stage.members.map(|m| match spec.gears.get(m) {
+                Some(gear) => gear.axes,
+                None => self.bodies[m - gears].hub.axes,
+            });
+            self.spans += 1;
+            self.elements.push(Element {
+                members: stage.members,
+                modes: vec![beam::stage(stage.ratio, stage.stiffness)],
+                origin: Origin::Stage(index),
+                damping: ElementDamping::Time(stage.damping),
+                begins: true,
+                axes,
+            });
+        }
+        Ok(())
+    }
+
+    fn add_elements(
+        &mut self,
+        shaft: &ShaftSpec,
+        index: usize,
+        nodes: &[Node],
+        axes: [[Vec3; 3]; 2],
+    ) {
         for pair in nodes.windows(2) {
             let length = pair[1].place - pair[0].place;
-            let modes = match section_at(shaft, 0.5 * (pair[0].place + pair[1].place)) {
-                Some(section) => beam::elastic(section, length),
-                None => beam::rigid(length),
-            };
+            let section = section_at(shaft, 0.5 * (pair[0].place + pair[1].place));
+            let modes = section.map_or_else(
+                || beam::rigid(length),
+                |section| beam::elastic(section, length),
+            );
+            let own = section.and_then(|s| s.damping);
             // Torques are reported between stations; unloaded ends have none.
             let begins = pair[0]
                 .station
@@ -186,7 +233,8 @@ impl Plan {
             self.elements.push(Element {
                 members: [pair[0].member, pair[1].member],
                 modes,
-                shaft: index,
+                origin: Origin::Shaft(index),
+                damping: own.map_or(ElementDamping::OfShaft, ElementDamping::Time),
                 begins,
                 axes,
             });

@@ -145,6 +145,7 @@ fn scene_of(set: &Set, planets: usize) -> (SceneSpec, Vec<ContactSpec>) {
         gears,
         meshes: meshes(planets, OVERLAP),
         shafts: vec![shaft("arm", vec![carrier], vec![])],
+        stages: Vec::new(),
     };
     let contacts = vec![stiff(set.mesh, width); spec.meshes.len()];
     (spec, contacts)
@@ -262,6 +263,7 @@ fn kahramans_planetary_train() {
         gears,
         meshes: meshes(3, OVERLAP_ON_LINES),
         shafts: vec![shaft("arm", vec![carrier], vec![])],
+        stages: Vec::new(),
     };
     carrier_of(&mut spec).inertia = 4.0 * lever * lever;
     let modelling = gearbench_models::spec::Modelling {

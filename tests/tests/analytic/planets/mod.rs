@@ -55,6 +55,7 @@ pub fn set(gap: f64) -> SceneSpec {
             .map(|p| mesh([SUN, p], start(Side::Left, gap)))
             .to_vec(),
         shafts: vec![shaft("carrier-shaft", vec![carrier], vec![])],
+        stages: Vec::new(),
     }
 }
 

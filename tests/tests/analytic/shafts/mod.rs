@@ -38,6 +38,7 @@ pub fn coupling(length: f64, stiffness: f64) -> Section {
         length,
         kind: SectionKind::Coupling { stiffness },
         divisions: 1,
+        damping: None,
     }
 }
 
@@ -50,6 +51,7 @@ pub fn bar(length: f64, diameter: f64, material: Material, divisions: usize) -> 
             material,
         },
         divisions,
+        damping: None,
     }
 }
 
@@ -68,6 +70,7 @@ pub fn alone(shafts: Vec<ShaftSpec>) -> SceneSpec {
         gears: vec![],
         meshes: vec![],
         shafts,
+        stages: Vec::new(),
     }
 }
 

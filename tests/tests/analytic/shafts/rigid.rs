@@ -101,6 +101,7 @@ pub fn two_stages() -> SceneSpec {
             mesh([2, 3], start(Side::Right, -1e-7)),
         ],
         shafts: vec![shaft("middle", vec![on(0.0, 1), on(0.05, 2)], vec![])],
+        stages: Vec::new(),
     }
 }
 

@@ -21,6 +21,7 @@ fn tumbling() -> SceneSpec {
         gears: vec![body],
         meshes: vec![],
         shafts: vec![],
+        stages: Vec::new(),
     }
 }
 
