@@ -8,7 +8,8 @@
 //! ```
 //!
 //! which is solved by Newton's method in the modes of the stiffness at each state. Gears without contact have a
-//! relative motion without stiffness, which is followed by a bounded step. A step ends, by bisection, where the power
+//! relative motion without stiffness, which is followed by a step with a bound on how far flanks close and bodies deform.
+//! The rotation of hubs itself has no bound: soft shafts may twist as far as their torque requires. A step ends, by bisection, where the power
 //! of the forces along it changes its sign: the potential of loads and contacts decreases up to there, and contacts
 //! close and open accordingly. The velocities are those of the rigid-body motions nearest to the start, plus the
 //! velocities `v_d` of members that follow driven gears in the mechanism, so that dampers of contacts and shafts have
@@ -119,6 +120,22 @@ struct Search<'a> {
     rigid: Vec<DVector<f64>>,
     /// Typical deflections of all coordinates.
     scales: Vec<f64>,
+    /// Coordinates that are rotations of hubs, or motions of racks.
+    turning: Vec<bool>,
+    /// Closing of the flanks of each mesh by the motion of its hubs.
+    closings: Vec<Vec<(usize, f64)>>,
+    /// Typical deflection of flanks [m].
+    deflection: f64,
+}
+
+/// A Newton step.
+struct Step {
+    x: Vec<f64>,
+    /// Its largest component, in typical deflections.
+    largest: f64,
+    /// The largest of its closings of flanks and of its components that are no rotations of hubs, in typical
+    /// deflections.
+    deformed: f64,
 }
 
 impl Search<'_> {
@@ -187,18 +204,26 @@ impl Search<'_> {
         modes.vectors.tr_mul(&self.space.force(&f))
     }
 
-    /// Displacement under forces on the modes with additional stiffness `more`, and its largest component in typical
-    /// deflections.
-    fn answer(&self, modes: &Modes, on: &DVector<f64>, more: f64) -> (Vec<f64>, f64) {
+    /// Displacement under forces on the modes with additional stiffness `more`.
+    fn answer(&self, modes: &Modes, on: &DVector<f64>, more: f64) -> Step {
         let floor = slack_of(modes);
         let u = DVector::from_fn(on.len(), |i, _| {
             let square = modes.squares[i].abs() + more;
             if square <= floor { 0.0 } else { on[i] / square }
         });
         let x = self.space.displacement(&(&modes.vectors * u));
-        let moved = x.iter().zip(&self.scales).map(|(x, s)| (x / s).abs());
-        let largest = moved.fold(0.0, f64::max);
-        (x, largest)
+        let along = |(i, x): (usize, &f64)| (i, (x / self.scales[i]).abs());
+        let moved = || x.iter().enumerate().map(along);
+        let bent = moved().filter(|(i, _)| !self.turning[*i]).map(|m| m.1);
+        let closing = self.closings.iter().map(|row| {
+            let closed: f64 = row.iter().map(|&(i, w)| w * x[i]).sum();
+            (closed / self.deflection).abs()
+        });
+        Step {
+            largest: moved().map(|m| m.1).fold(0.0, f64::max),
+            deformed: bent.chain(closing).fold(0.0, f64::max),
+            x,
+        }
     }
 }
 
@@ -228,15 +253,25 @@ pub fn loaded(scene: &mut Scene, loads: bool) -> Result<LoadedState, LoadedState
     scene.follow_carriers(&mut s);
     let (mut scales, mut speeds) = (vec![0.0; s.q.len()], vec![0.0; s.q.len()]);
     scene.scales(&mut scales, &mut speeds);
+    let mut turning = vec![false; s.q.len()];
+    // Closings do not include the motion of carriers.
+    if scene.carrier_coordinates().is_empty() {
+        for g in scene.gears().iter().filter(|g| g.model.hub().is_free()) {
+            turning[g.range().start] = true;
+        }
+    }
     let mut search = Search {
+        deflection: scene.magnitudes().deflection,
+        closings: scene.closings(s.at()),
         scene,
         space,
         rigid,
         scales,
+        turning,
     };
     let mut steps = 0;
     let mut bound = BOUND;
-    let farthest = BOUND.max(FARTHEST / search.scene.magnitudes().deflection);
+    let farthest = BOUND.max(FARTHEST / search.deflection);
     loop {
         let mut linear = search.scene.without_damping(s.at());
         let modes = search.space.modes(&linear.stiffness)?;
@@ -249,8 +284,8 @@ pub fn loaded(scene: &mut Scene, loads: bool) -> Result<LoadedState, LoadedState
             .filter(|(square, _)| **square <= slack_of(&modes))
             .fold(0.0_f64, |m, (_, on)| m.max(on.abs()));
         let pushes = apart > ROUNDING * search.space.size_of(&all);
-        let (mut step, mut moved) = search.answer(&modes, &on, 0.0);
-        let balanced = !pushes && moved <= FOUND;
+        let mut step = search.answer(&modes, &on, 0.0);
+        let balanced = !pushes && step.largest <= FOUND;
         let acting = search.scene.acting_sides(s.at());
         if loads && balanced && acting != sides && steps < MOST_STEPS {
             steps += 1;
@@ -265,7 +300,7 @@ pub fn loaded(scene: &mut Scene, loads: bool) -> Result<LoadedState, LoadedState
             // A matrix by columns costs as much as the search itself, which needs none.
             linear.damping = search.scene.damping_matrix(s.at());
             if loads {
-                s = search.moved(&s, &step, 1.0);
+                s = search.moved(&s, &step.x, 1.0);
             }
             let pressed = normal_forces(search.scene, &s);
             return Ok(LoadedState {
@@ -288,19 +323,19 @@ pub fn loaded(scene: &mut Scene, loads: bool) -> Result<LoadedState, LoadedState
             });
         }
         steps += 1;
-        if pushes || moved > bound {
+        if pushes || step.deformed > bound {
             // As if masses were tied to where they are: what has no stiffness moves as far as the bound.
-            let by_one = search.answer(&modes, &on, 1.0).1;
+            let by_one = search.answer(&modes, &on, 1.0).deformed;
             let mut more = (2.0 * slack_of(&modes)).max(1e-6 * by_one / bound);
             loop {
-                (step, moved) = search.answer(&modes, &on, more);
-                if moved <= bound || !moved.is_finite() {
+                step = search.answer(&modes, &on, more);
+                if step.deformed <= bound || !step.deformed.is_finite() {
                     break;
                 }
                 more *= 2.0;
             }
         }
-        let part = search.part_of(&s, &step, &modes, &on);
+        let part = search.part_of(&s, &step.x, &modes, &on);
         // Bodies without contact along the step may move further.
         bound = match part {
             LineSearch::Free => (2.0 * bound).min(farthest),
@@ -310,6 +345,6 @@ pub fn loaded(scene: &mut Scene, loads: bool) -> Result<LoadedState, LoadedState
             LineSearch::Free => 1.0,
             LineSearch::Met(part) => part,
         };
-        s = search.moved(&s, &step, low);
+        s = search.moved(&s, &step.x, low);
     }
 }

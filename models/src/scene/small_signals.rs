@@ -139,7 +139,7 @@ impl Scene {
         let own = (0..self.n).map(|i| stiffness[(i, i)] / mass[(i, i)]);
         let typical = Some(own.fold(0.0, f64::max)).filter(|x| *x > 0.0);
         // Meshes as stiff as the rest, so that neither is lost in rounding.
-        let rows = self.mesh_rows(at);
+        let rows = self.closings(at);
         let meshes: Vec<MeshSpring> = (rows.into_iter())
             .map(|row| {
                 let yielding: f64 = row.iter().map(|&(i, r)| r * r / mass[(i, i)]).sum();
@@ -194,7 +194,7 @@ impl Scene {
 
     /// Returns for each mesh the closing of its flanks by the free directions of both hubs, as coordinates and their
     /// weights. Signs are those of left flanks.
-    fn mesh_rows(&mut self, at: StateView<'_>) -> Vec<Vec<(usize, f64)>> {
+    pub fn closings(&mut self, at: StateView<'_>) -> Vec<Vec<(usize, f64)>> {
         let sides = self.acting_sides(at);
         let meshes = self.meshes.iter().zip(sides);
         meshes

@@ -2,7 +2,8 @@
 //!
 //! The displacements of both hubs determine how far the flanks of rigid teeth would overlap along the line of action:
 //! the approach less the gap at the start or, on the other flank, less the rest of the backlash. The overlap of elastic
-//! teeth is at most their deflection. A contact was missed if
+//! teeth is at most their deflection, and what the teeth in contact recede from those at the start by their deviations.
+//! A contact was missed if
 //!
 //! - the overlap is larger than any deflection, a tenth of the module: teeth passed through each other;
 //! - it is clearly larger than the deflection, and no force acts: an overlap without contact force;
@@ -39,6 +40,8 @@ struct Pair {
     gap: f64,
     backlash: f64,
     module: f64,
+    /// Largest change of the gap by deviations of the teeth in contact from those at the start [m].
+    deviation: f64,
     displacement: [usize; 2],
     /// Coordinate and channel of the carrier of a planetary set, relative to which the gears move.
     carrier: Option<[usize; 2]>,
@@ -74,9 +77,23 @@ impl Pair {
         sum
     }
 
+    /// Largest overlap [m] that a share of the module, or else the softness of a contact, explains. Teeth may recede
+    /// from those at the start by their deviations.
+    fn explained(&self, share: f64, soft: f64) -> f64 {
+        (share * self.module).max(soft) + self.deviation
+    }
+
     /// Overlap on the closer flank [m]; negative if both flanks are apart.
     fn depth(&self, approach: f64) -> f64 {
         (approach - self.gap).max(-approach - (self.backlash - self.gap))
+    }
+}
+
+/// Returns the range of the deviations of the teeth of a body from their common position [m].
+fn deviation_of(body: &Body) -> f64 {
+    match body {
+        Body::Gear(gear) => 2.0 * gear.greatest_tooth_deviation(),
+        Body::Rack(_) => 0.0,
     }
 }
 
@@ -143,6 +160,7 @@ impl TunnellingDetector {
                     gap: mesh.start.gap,
                     backlash: layout.pair.backlash_normal(),
                     module: gear.params().module,
+                    deviation: [a, b].map(|g| deviation_of(&g.body)).iter().sum(),
                     displacement: [displacement(mesh.gears[0])?, displacement(mesh.gears[1])?],
                     sideways: mesh.gears.map(|i| {
                         let channels = OfGear::aside().iter().map(|what| Channel::Gear(i, *what));
@@ -173,13 +191,15 @@ impl TunnellingDetector {
         for (m, pair) in &mut self.pairs {
             let ([x0, r0], [x1, r1]) = (pair.at(step.from), pair.at(step.to));
             let depth = pair.depth(x1);
-            let limit = (PASSED * pair.module).max(DEFLECTIONS * self.deflection);
-            if depth > limit && self.passed.is_none() {
+            let soft = DEFLECTIONS * self.deflection;
+            if depth > pair.explained(PASSED, soft) && self.passed.is_none() {
                 self.passed = Some((*m, step.to.t, depth));
             }
-            if depth > PASSED * pair.module && self.deepest.is_none_or(|(_, _, most)| depth > most)
+            let deflected = depth - pair.deviation;
+            if deflected > PASSED * pair.module
+                && self.deepest.is_none_or(|(_, _, most)| deflected > most)
             {
-                self.deepest = Some((*m, step.to.t, depth));
+                self.deepest = Some((*m, step.to.t, deflected));
             }
             if step.flight || h <= 0.0 {
                 continue;
@@ -248,11 +268,11 @@ impl TunnellingDetector {
                 let depth = pair.depth(along(0) + along(1) - turned);
                 let soft = self.deflection * DEFLECTIONS;
                 let earlier = |known: Option<(usize, f64, f64)>| known.is_none_or(|k| *t < k.1);
-                if depth > (PASSED * pair.module).max(soft) && earlier(passed) {
+                if depth > pair.explained(PASSED, soft) && earlier(passed) {
                     passed = Some((*m, *t, depth));
                 }
                 let silent = forces.get(*m).is_some_and(|&f| row[f] == 0.0);
-                if silent && depth > (UNSEEN * pair.module).max(soft) && earlier(unseen) {
+                if silent && depth > pair.explained(UNSEEN, soft) && earlier(unseen) {
                     unseen = Some((*m, *t, depth));
                 }
             }
