@@ -234,13 +234,23 @@ fn profile_text(profile: &Profile, unit: &str) -> String {
             ms(*start),
             ms(*end)
         ),
-        Profile::Table { time, value } => format!(
+        Profile::Table(table) => format!(
             "table of {} points, {} to {} {unit}, {} to {}",
-            time.len(),
-            short(value.iter().copied().fold(f64::INFINITY, f64::min), 5),
-            short(value.iter().copied().fold(f64::NEG_INFINITY, f64::max), 5),
-            ms(time.first().copied().unwrap_or(0.0)),
-            ms(time.last().copied().unwrap_or(0.0))
+            table.times().len(),
+            short(
+                table.values().iter().copied().fold(f64::INFINITY, f64::min),
+                5
+            ),
+            short(
+                table
+                    .values()
+                    .iter()
+                    .copied()
+                    .fold(f64::NEG_INFINITY, f64::max),
+                5
+            ),
+            ms(table.times().first().copied().unwrap_or(0.0)),
+            ms(table.times().last().copied().unwrap_or(0.0))
         ),
         Profile::Polynomial { integral, .. } => {
             format!(

@@ -78,8 +78,9 @@ fn keeps_sign(profile: &Profile) -> bool {
     match profile {
         Profile::Constant(_) => true,
         Profile::Ramp { from, to, .. } => from * to >= 0.0,
-        Profile::Table { value, .. } => {
-            value.iter().all(|x| *x >= 0.0) || value.iter().all(|x| *x <= 0.0)
+        Profile::Table(table) => {
+            let values = table.values();
+            values.iter().all(|x| *x >= 0.0) || values.iter().all(|x| *x <= 0.0)
         }
         Profile::Harmonic {
             mean, amplitude, ..

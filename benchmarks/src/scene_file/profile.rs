@@ -97,10 +97,7 @@ macro_rules! profiles {
 
             impl From<$table> for Profile {
                 fn from(keys: $table) -> Self {
-                    Profile::Table {
-                        time: keys.time_s,
-                        value: keys.$value,
-                    }
+                    Profile::table(keys.time_s, keys.$value)
                 }
             }
 

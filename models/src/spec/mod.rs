@@ -22,7 +22,7 @@ pub use mount::{Bearing, Freedom, Guide, Mount, OutOfPlaneSpec, SpinTerms, UPRIG
 pub use points::{
     CoarseSearch, FlankContact, MAX_POINTS, Passes, PointContact, PointLaw, PointRule, SurfaceKind,
 };
-pub use profile::Profile;
+pub use profile::{Profile, Table};
 pub use scene::{Body, ContactSpec, GearSpec, MeshSpec, SceneSpec, Start};
 pub use shaft::{
     BodySpec, Section, SectionKind, ShaftDamping, ShaftSpec, Station, StationMember, initial_speed,

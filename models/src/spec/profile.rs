@@ -21,13 +21,8 @@ pub enum Profile {
         /// Time at which the ramp ends [s].
         end: f64,
     },
-    /// A table: linear between breakpoints, constant outside.
-    Table {
-        /// Strictly ascending times [s].
-        time: Vec<f64>,
-        /// Values at the times.
-        value: Vec<f64>,
-    },
+    /// Values over time: constant before the first and after the last.
+    Table(Table),
     /// A harmonic: `mean + amplitude cos(2 pi frequency t + phase)`.
     Harmonic {
         /// Mean value of the harmonic.
@@ -49,7 +44,100 @@ pub enum Profile {
     },
 }
 
+/// Values over time, linear between them, with their integral at each of the times, so that no evaluation passes over
+/// the whole table.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Table {
+    /// Ascending times [s].
+    time: Vec<f64>,
+    value: Vec<f64>,
+    /// Integral from the first time to each.
+    integral: Vec<f64>,
+}
+
+impl Table {
+    /// Creates a table from ascending times [s] and one value for each.
+    pub fn new(time: Vec<f64>, value: Vec<f64>) -> Self {
+        let mut sum = 0.0;
+        let mut integral = Vec::with_capacity(time.len());
+        integral.extend(time.first().map(|_| 0.0));
+        for (t, x) in time.windows(2).zip(value.windows(2)) {
+            sum += 0.5 * (x[0] + x[1]) * (t[1] - t[0]);
+            integral.push(sum);
+        }
+        Table {
+            time,
+            value,
+            integral,
+        }
+    }
+
+    /// Returns the times [s].
+    pub fn times(&self) -> &[f64] {
+        &self.time
+    }
+
+    /// Returns the values at the times.
+    pub fn values(&self) -> &[f64] {
+        &self.value
+    }
+
+    fn problem(&self) -> Option<String> {
+        let Table { time, value, .. } = self;
+        if time.len() != value.len() || time.is_empty() {
+            return Some(format!("{} times but {} values", time.len(), value.len()));
+        }
+        if !time.iter().chain(value).all(|x| x.is_finite()) {
+            return Some("a table needs finite numbers".into());
+        }
+        time.windows(2)
+            .find(|w| w[1] <= w[0])
+            .map(|w| format!("times must ascend, but {} s follows {} s", w[1], w[0]))
+    }
+
+    /// Returns the number of times up to `t`.
+    fn after(&self, t: f64) -> usize {
+        self.time.partition_point(|&x| x <= t)
+    }
+
+    fn value(&self, t: f64) -> f64 {
+        match self.after(t) {
+            0 => self.value[0],
+            i => self.value[i - 1] + self.slope_after(i) * (t - self.time[i - 1]),
+        }
+    }
+
+    fn slope(&self, t: f64) -> f64 {
+        match self.after(t) {
+            0 => 0.0,
+            i => self.slope_after(i),
+        }
+    }
+
+    /// Returns the slope between the times `i - 1` and `i`; zero after the last.
+    fn slope_after(&self, i: usize) -> f64 {
+        match self.time.get(i) {
+            Some(next) => (self.value[i] - self.value[i - 1]) / (next - self.time[i - 1]),
+            None => 0.0,
+        }
+    }
+
+    /// Returns the integral from the first time to `t`.
+    fn integral(&self, t: f64) -> f64 {
+        let (i, h) = match self.after(t) {
+            0 => return self.value[0] * (t - self.time[0]),
+            i => (i, t - self.time[i - 1]),
+        };
+        self.integral[i - 1] + h * (self.value[i - 1] + 0.5 * h * self.slope_after(i))
+    }
+}
+
 impl Profile {
+    /// Returns a table that is linear between ascending times [s].
+    pub fn table(time: Vec<f64>, value: Vec<f64>) -> Self {
+        Profile::Table(Table::new(time, value))
+    }
+
     /// Returns the line through two values at two times.
     pub fn line([from, to]: [f64; 2], [start, end]: [f64; 2]) -> Self {
         let slope = (end - start) / (to - from);
@@ -104,17 +192,7 @@ impl Profile {
                         .then(|| format!("a ramp from {start} s to {end} s has no length"))
                 }
             }
-            Profile::Table { time, value } => {
-                if time.len() != value.len() || time.is_empty() {
-                    Some(format!("{} times but {} values", time.len(), value.len()))
-                } else if !time.iter().chain(value).all(finite) {
-                    Some("a table needs finite numbers".into())
-                } else {
-                    time.windows(2)
-                        .find(|w| w[1] <= w[0])
-                        .map(|w| format!("times must ascend, but {} s follows {} s", w[1], w[0]))
-                }
-            }
+            Profile::Table(table) => table.problem(),
             Profile::Harmonic {
                 mean,
                 amplitude,
@@ -144,17 +222,7 @@ impl Profile {
                 start,
                 end,
             } => from + (to - from) * ((t - start) / (end - start)).clamp(0.0, 1.0),
-            Profile::Table { time, value } => {
-                let i = time.partition_point(|&x| x <= t);
-                if i == 0 {
-                    value[0]
-                } else if i == time.len() {
-                    value[i - 1]
-                } else {
-                    let w = (t - time[i - 1]) / (time[i] - time[i - 1]);
-                    value[i - 1] + w * (value[i] - value[i - 1])
-                }
-            }
+            Profile::Table(table) => table.value(t),
             Profile::Harmonic {
                 mean,
                 amplitude,
@@ -186,7 +254,7 @@ impl Profile {
         match self {
             Profile::Constant(x) => x.abs(),
             Profile::Ramp { from, to, .. } => from.abs().max(to.abs()),
-            Profile::Table { value, .. } => value.iter().fold(0.0, |m, x| x.abs().max(m)),
+            Profile::Table(table) => table.value.iter().fold(0.0, |m, x| x.abs().max(m)),
             Profile::Harmonic {
                 mean, amplitude, ..
             } => mean.abs() + amplitude.abs(),
@@ -204,7 +272,10 @@ impl Profile {
                 *from *= factor;
                 *to *= factor;
             }
-            Profile::Table { value, .. } => value.iter_mut().for_each(|x| *x *= factor),
+            Profile::Table(table) => {
+                let all = table.value.iter_mut().chain(&mut table.integral);
+                all.for_each(|x| *x *= factor);
+            }
             Profile::Harmonic {
                 mean, amplitude, ..
             } => {
@@ -245,6 +316,9 @@ impl Profile {
             let s = t - from;
             return a + s * (b + s * (c + s * d));
         }
+        if let Profile::Table(table) = self {
+            return table.integral(t) - table.integral(0.0);
+        }
         // Breakpoints up to t, then the trapezoid rule, which is exact between breakpoints.
         let mut sum = 0.0;
         let mut a = 0.0_f64.min(t);
@@ -268,14 +342,7 @@ impl Profile {
                 end,
             } if (*start..*end).contains(&t) => (to - from) / (end - start),
             Profile::Ramp { .. } => 0.0,
-            Profile::Table { time, value } => {
-                let i = time.partition_point(|&x| x <= t);
-                if i == 0 || i == time.len() {
-                    0.0
-                } else {
-                    (value[i] - value[i - 1]) / (time[i] - time[i - 1])
-                }
-            }
+            Profile::Table(table) => table.slope(t),
             Profile::Harmonic {
                 amplitude,
                 frequency,
@@ -302,8 +369,7 @@ impl Profile {
                 .into_iter()
                 .find(|&k| k > t)
                 .unwrap_or(f64::INFINITY),
-            Profile::Table { time, .. } => time
-                .get(time.partition_point(|&k| k <= t))
+            Profile::Table(table) => (table.time.get(table.after(t)))
                 .copied()
                 .unwrap_or(f64::INFINITY),
         }
@@ -316,14 +382,15 @@ mod tests {
 
     #[test]
     fn integral_is_exact_over_kinks() {
-        let p = Profile::Table {
-            time: vec![1.0, 2.0, 4.0],
-            value: vec![0.0, 3.0, -1.0],
-        };
+        let p = Profile::table(vec![1.0, 2.0, 4.0], vec![0.0, 3.0, -1.0]);
         // 0 until 1, triangle 1.5 to 2, then (3 - 1)/2 * 2 = 2 to 4, then -1 per second.
         assert!((p.integral(5.0) - (1.5 + 2.0 - 1.0)).abs() < 1e-14);
         assert_eq!(p.next_breakpoint(1.0), 2.0);
         assert_eq!(p.next_breakpoint(4.0), f64::INFINITY);
+        // A table that begins before time 0 counts from there, and backwards with the other sign.
+        let early = Profile::table(vec![-2.0, 2.0], vec![0.0, 4.0]);
+        assert!((early.integral(1.0) - 2.5).abs() < 1e-14);
+        assert!((early.integral(-1.0) + 1.5).abs() < 1e-14);
         let r = Profile::Ramp {
             from: 2.0,
             to: 4.0,
@@ -387,10 +454,7 @@ mod tests {
 
     #[test]
     fn names_what_is_wrong() {
-        let p = Profile::Table {
-            time: vec![0.0, 0.0],
-            value: vec![1.0, 2.0],
-        };
+        let p = Profile::table(vec![0.0, 0.0], vec![1.0, 2.0]);
         assert!(p.problem().unwrap().contains("ascend"));
         assert!(Profile::Constant(f64::NAN).problem().is_some());
         assert!(Profile::Constant(1.0).problem().is_none());

@@ -46,10 +46,7 @@ fn applied_loads_are_integrated_exactly_and_steps_land_on_breakpoints() {
         start: 1.33e-3,
         end: 2.71e-3,
     };
-    let table = Profile::Table {
-        time: vec![0.7e-3, 1.9e-3, 3.3e-3],
-        value: vec![0.0, 0.5, -0.2],
-    };
+    let table = Profile::table(vec![0.7e-3, 1.9e-3, 3.3e-3], vec![0.0, 0.5, -0.2]);
     for (profile, breakpoints) in [
         (Profile::Constant(0.4), vec![]),
         (ramp, vec![1.33e-3, 2.71e-3]),
@@ -143,10 +140,7 @@ fn driven_gears_put_their_power_into_the_ledger() {
             start: 0.0,
             end: 2e-3,
         },
-        Profile::Table {
-            time: vec![0.0, 1e-3, 2.5e-3],
-            value: vec![20.0, 70.0, 40.0],
-        },
+        Profile::table(vec![0.0, 1e-3, 2.5e-3], vec![20.0, 70.0, 40.0]),
     ];
     let iso = PairStiffness::Iso6336 {
         variation: IsoVariation::IsoMean,

@@ -281,10 +281,7 @@ fn gap_rate_holds_with_driven_gears() {
         start: 0.0,
         end: 0.1,
     };
-    let table = Profile::Table {
-        time: vec![0.0, 0.02, 0.3],
-        value: vec![2.0, -4.0, 6.0],
-    };
+    let table = Profile::table(vec![0.0, 0.02, 0.3], vec![2.0, -4.0, 6.0]);
     let teeth = movable(5e8, 5e-3, 10.0);
     for driven in 0..2 {
         for profile in [ramp.clone(), table.clone()] {

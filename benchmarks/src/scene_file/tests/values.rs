@@ -134,10 +134,10 @@ fn loads_and_mounts() {
     );
     assert_eq!(
         load("{ table = { time_s = [0, 1], torque_nm = [2, 3] } }"),
-        [Load::Applied(Profile::Table {
-            time: vec![0.0, 1.0],
-            value: vec![2.0, 3.0]
-        })]
+        [Load::Applied(Profile::table(
+            vec![0.0, 1.0],
+            vec![2.0, 3.0]
+        ))]
     );
     let mount = |text: &str| {
         read("mount = \"revolute\"", text).spec.gears[1]

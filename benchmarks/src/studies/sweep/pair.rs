@@ -374,10 +374,7 @@ fn constant_speed_from(t: f64, turned: f64, speed: f64) -> Profile {
     }
     // Whatever it was before: constant over the first half, then a line to the new speed.
     let before = (turned - 0.25 * t * speed) / (0.75 * t);
-    Profile::Table {
-        time: vec![0.5 * t, t],
-        value: vec![before, speed],
-    }
+    Profile::table(vec![0.5 * t, t], vec![before, speed])
 }
 
 #[cfg(test)]

@@ -260,10 +260,7 @@ fn elastic(b: &Basis, speed: f64, terms: SpinTerms) -> Elastic {
     let all: Vec<usize> = (0..b.omega.len()).collect();
     let data = reduced(b, &all, &ModalDamping::default(), false).unwrap();
     let hub = Hub::new(
-        Mount::Driven(Profile::Table {
-            time: vec![0.0],
-            value: vec![speed],
-        }),
+        Mount::Driven(Profile::table(vec![0.0], vec![speed])),
         Vec3::zeros(),
         None,
         1.0,
