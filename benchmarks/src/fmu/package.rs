@@ -195,7 +195,7 @@ fn read_files(file: &SceneFile, choice: &ModelChoice) -> Result<Vec<Entry>, Scen
     };
     let folder = scene.parent().unwrap_or(Path::new(""));
     let read = files(&choice.modelling).map(PathBuf::from);
-    let mut paths: Vec<PathBuf> = read.chain(file.flank_files.iter().cloned()).collect();
+    let mut paths: Vec<PathBuf> = read.chain(file.data_files.iter().cloned()).collect();
     paths.sort();
     paths.dedup();
     let mut entries = Vec::new();

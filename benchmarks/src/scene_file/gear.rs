@@ -6,6 +6,7 @@ use super::deviations::{DeviationTable, deviations};
 use super::error::SceneError;
 use super::geometry::geometry;
 use super::material::{MaterialChoice, material};
+use super::measured::DataFiles;
 use super::modifications::{EndReliefTable, MeasuredFlanks, PerSide, TopographyTable, topography};
 use super::out_of_plane::{
     BearingTable, DirectionTable, MisalignmentTable, OutOfPlaneTable, Position, out_of_plane,
@@ -19,7 +20,6 @@ use gearbench_models::Vec3;
 use gearbench_models::geometry::{Gear, Rack, ReliefShape};
 use gearbench_models::spec::{Body, GearSpec, Guide, Load, Mount, SpinTerms, UPRIGHT};
 use serde::{Deserialize, Serialize};
-use std::path::{Path, PathBuf};
 
 /// Keys of a gear or of a rack.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
@@ -208,8 +208,6 @@ pub(super) struct GearDraft {
     pub(super) misalignment: Option<MisalignmentTable>,
     /// Facing of a rack given in the file [rad].
     pub(super) facing: Option<f64>,
-    /// Files from which measured flanks were read.
-    pub(super) files: Vec<PathBuf>,
 }
 
 /// Keys that gears and racks share: mount, speed, inertia, position, loads.
@@ -242,11 +240,22 @@ pub(super) fn check_name(name: &str, at: &Place<'_>) -> Result<(), SceneError> {
     )
 }
 
+/// Reads the loads of a member; `read` reads one at its place.
+pub(super) fn loads<L>(
+    list: Option<Vec<L>>,
+    read: impl Fn(L, &Place<'_>) -> Result<Load, SceneError>,
+    at: &Place<'_>,
+) -> Result<Vec<Load>, SceneError> {
+    let all = list.into_iter().flatten().enumerate();
+    all.map(|(i, load)| read(load, &at.key("loads").member(i)))
+        .collect()
+}
+
 /// Checks and builds one gear or rack.
 pub(super) fn gear(
     name: &str,
     keys: ToothedTable,
-    folder: Option<&Path>,
+    files: &DataFiles<'_>,
     at: &Place<'_>,
 ) -> Result<GearDraft, SceneError> {
     let angle = match &keys {
@@ -276,21 +285,21 @@ pub(super) fn gear(
     }
     let measured = match &keys {
         ToothedTable::Gear(keys) => {
-            topography(keys.topography.as_deref(), folder, &at.key("topography"))?
+            topography(keys.topography.as_deref(), files, &at.key("topography"))?
         }
         ToothedTable::Rack(_) => MeasuredFlanks::default(),
     };
     let body = match &keys {
         ToothedTable::Gear(keys) => {
             let deviations = deviations(name, keys.deviations.as_deref(), &at.key("deviations"))?;
-            Gear::new(keys.params(deviations, measured.sides)).map(Body::Gear)
+            Gear::new(keys.params(deviations, measured)).map(Body::Gear)
         }
         ToothedTable::Rack(keys) => Rack::new(keys.params()).map(Body::Rack),
     };
     let body = body.map_err(|e| geometry(at, &e))?;
     let hub = match keys {
         ToothedTable::Gear(keys) => Hub {
-            mount: keys.mount.parts(),
+            mount: keys.mount.parts(files, &at.key("mount"))?,
             speed: ("speed_rad_s", keys.speed_rad_s),
             inertia: keys.inertia_kgm2,
             added_inertia: keys.added_inertia_kgm2,
@@ -309,10 +318,10 @@ pub(super) fn gear(
                 spin: keys.spin_terms,
             },
             own: 5,
-            loads: keys.loads.into_iter().flatten().map(Load::from).collect(),
+            loads: loads(keys.loads, |load, place| load.load(files, place), at)?,
         },
         ToothedTable::Rack(keys) => Hub {
-            mount: keys.mount.parts(),
+            mount: keys.mount.parts(files, &at.key("mount"))?,
             speed: ("speed_m_s", keys.speed_m_s),
             inertia: keys.mass_kg,
             added_inertia: keys.added_mass_kg,
@@ -331,7 +340,7 @@ pub(super) fn gear(
                 spin: keys.spin_terms,
             },
             own: 0,
-            loads: keys.loads.into_iter().flatten().map(Load::from).collect(),
+            loads: loads(keys.loads, |load, place| load.load(files, place), at)?,
         },
     };
     let (key, speed) = hub.speed;
@@ -340,7 +349,6 @@ pub(super) fn gear(
         misalignment: hub.misalignment,
         axis: axis(hub.axis, &at.key("axis"))?,
         facing: hub.facing.map(Degrees::radians),
-        files: measured.files,
         spec: GearSpec {
             name: name.to_owned(),
             body,
@@ -350,7 +358,7 @@ pub(super) fn gear(
             speed: initial_speed(speed, &hub.mount.0, key, at)?,
             mount: hub.mount.0,
             guide: hub.mount.1,
-            lateral: out_of_plane(hub.lateral, hub.own, at)?,
+            lateral: out_of_plane(hub.lateral, hub.own, files, at)?,
             position: [0.0; 3],
             axes: UPRIGHT,
             facing: 0.0,

@@ -37,6 +37,7 @@ mod geometry;
 mod load;
 mod locate;
 mod material;
+mod measured;
 mod mesh;
 mod model;
 mod modifications;
@@ -218,8 +219,8 @@ pub struct SceneFile {
     pub models: Vec<ModelChoice>,
     /// Defaults of studies of this scene.
     pub study: Study,
-    /// Files from which measured flanks were read.
-    pub flank_files: Vec<PathBuf>,
+    /// Files from which measured flanks, loads and motions were read.
+    pub data_files: Vec<PathBuf>,
     /// Origin of the scene.
     pub origin: Origin,
     /// Warnings on values that are valid but implausible.
@@ -294,18 +295,19 @@ impl SceneFile {
             Origin::File(path) => path.parent(),
             Origin::Shipped => None,
         };
+        let files = measured::DataFiles::beside(folder);
         let mut drafts = (keys.gears.0.into_iter())
             .map(|(name, keys)| {
                 let at = root.key("gears").key(&name);
                 gear::check_name(&name, &at)?;
-                gear::gear(&name, keys, folder, &at)
+                gear::gear(&name, keys, &files, &at)
             })
             .collect::<Result<Vec<_>, _>>()?;
         if drafts.is_empty() {
             return Err(root.missing("gears", &SceneTable::TABLE));
         }
         let shafts = keys.shafts.unwrap_or_default();
-        let shafts = shaft::shafts(shafts, &mut drafts, &root.key("shafts"))?;
+        let shafts = shaft::shafts(shafts, &mut drafts, &files, &root.key("shafts"))?;
         let on_shafts = shaft::groups(&shafts);
         let meshes = mesh::meshes(&keys.meshes, &mut drafts, &on_shafts, &root)?;
         let own = Calibration::of(keys.calibration, &root.key("calibration"))?;
@@ -376,7 +378,7 @@ impl SceneFile {
             damping,
             models,
             study,
-            flank_files: drafts.into_iter().flat_map(|draft| draft.files).collect(),
+            data_files: files.into_paths(),
             origin,
             odd: Vec::new(),
             refused: Vec::new(),

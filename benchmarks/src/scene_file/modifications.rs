@@ -9,16 +9,16 @@
 
 use super::error::SceneError;
 use super::geometry::geometry;
+use super::measured::DataFiles;
 use super::reading::Place;
 use super::reading::keys::keys;
 use super::reading::values::Positive;
-use super::references::located;
 use gearbench_models::geometry::{EndRelief, ReliefShape, Topography};
 use gearbench_reference::data::decode;
 use gearbench_reference::files;
 use serde::{Deserialize, Serialize};
 use std::io::ErrorKind;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 
 /// Largest size of a topography file [bytes].
@@ -111,17 +111,13 @@ pub(super) fn per_side(keys: Option<&PerSide>) -> [f64; 2] {
     }
 }
 
-/// Measured flanks of both sides, with their files.
-#[derive(Clone, Debug, Default)]
-pub(super) struct MeasuredFlanks {
-    pub(super) sides: [Option<Arc<Topography>>; 2],
-    pub(super) files: Vec<PathBuf>,
-}
+/// Measured flanks of both sides.
+pub(super) type MeasuredFlanks = [Option<Arc<Topography>>; 2];
 
-/// Reads the topographies of a gear; paths are relative to `folder`.
+/// Reads the topographies of a gear.
 pub(super) fn topography(
     keys: Option<&TopographyTable>,
-    folder: Option<&Path>,
+    files: &DataFiles<'_>,
     at: &Place<'_>,
 ) -> Result<MeasuredFlanks, SceneError> {
     let mut measured = MeasuredFlanks::default();
@@ -145,16 +141,11 @@ pub(super) fn topography(
         );
     }
     let unit = keys.unit_m.map_or(1.0, f64::from);
-    let mut read = |key: &str, amounts: &AmountTable| {
+    let read = |key: &str, amounts: &AmountTable| {
         let place = at.key(key);
         let mut rows = match amounts {
             AmountTable::Rows(rows) => rows.clone(),
-            AmountTable::File(file) => {
-                let path = located(file, folder);
-                let rows = rows_of(&path, &place)?;
-                measured.files.push(path);
-                rows
-            }
+            AmountTable::File(file) => rows_of(&files.path(file), &place)?,
         };
         rows.iter_mut().flatten().for_each(|x| *x *= unit);
         let grid = Topography::new(&rows, keys.radii_m, keys.heights_m);
@@ -162,12 +153,11 @@ pub(super) fn topography(
     };
     if let Some(both) = &keys.both {
         let grid = read("both", both)?;
-        measured.sides = [Some(grid.clone()), Some(grid)];
-        return Ok(measured);
+        return Ok([Some(grid.clone()), Some(grid)]);
     }
     for (i, (key, amounts)) in sides.into_iter().enumerate() {
         let grid = amounts.as_ref().map(|a| read(key, a)).transpose()?;
-        measured.sides[i] = grid;
+        measured[i] = grid;
     }
     Ok(measured)
 }

@@ -7,6 +7,7 @@
 //! ```
 
 use super::error::SceneError;
+use super::measured::DataFiles;
 use super::profile::{Sliding, Turning};
 use super::reading::Place;
 use super::reading::keys::keys;
@@ -77,17 +78,17 @@ macro_rules! freedoms {
             Driven($motion),
         }
 
-        impl From<$name> for Freedom {
-            fn from(freedom: $name) -> Self {
-                match freedom {
+        impl $name {
+            fn freedom(self, files: &DataFiles<'_>, at: &Place<'_>) -> Result<Freedom, SceneError> {
+                Ok(match self {
                     $name::Held => Freedom::Fixed,
                     $name::Free => Freedom::Free,
-                    $name::Driven(motion) => match Load::from(motion) {
+                    $name::Driven(motion) => match motion.load(files, &at.key("driven"))? {
                         Load::Applied(profile) => Freedom::Driven(profile),
                         // A motion has no viscous coefficient.
                         Load::Viscous(_) => Freedom::Driven(Profile::Constant(0.0)),
                     },
-                }
+                })
             }
         }
     )* };
@@ -204,6 +205,7 @@ fn matrix(
 pub(super) fn out_of_plane(
     keys: OutOfPlaneTable,
     own: usize,
+    files: &DataFiles<'_>,
     at: &Place<'_>,
 ) -> Result<Option<Box<OutOfPlaneSpec>>, SceneError> {
     if keys.bearing.is_none() && keys.directions.is_none() {
@@ -243,13 +245,22 @@ pub(super) fn out_of_plane(
         spec.directions = [const { Freedom::Free }; 6];
     }
     if let Some(d) = keys.directions {
+        let place = at.key("directions");
+        let shift = |d: Option<Translation>, key: &str| {
+            let read = |d: Translation| d.freedom(files, &place.key(key));
+            d.map(read).transpose()
+        };
+        let tilt = |d: Option<Tilt>, key: &str| {
+            let read = |d: Tilt| d.freedom(files, &place.key(key));
+            d.map(read).transpose()
+        };
         let given: [Option<Freedom>; 6] = [
-            d.x.map(Freedom::from),
-            d.y.map(Freedom::from),
-            d.z.map(Freedom::from),
-            d.tilt_x.map(Freedom::from),
-            d.tilt_y.map(Freedom::from),
-            d.tilt_z.map(Freedom::from),
+            shift(d.x, "x")?,
+            shift(d.y, "y")?,
+            shift(d.z, "z")?,
+            tilt(d.tilt_x, "tilt_x")?,
+            tilt(d.tilt_y, "tilt_y")?,
+            tilt(d.tilt_z, "tilt_z")?,
         ];
         for (i, freedom) in given.into_iter().enumerate() {
             let Some(freedom) = freedom else { continue };

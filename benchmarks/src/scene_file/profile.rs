@@ -5,12 +5,16 @@
 //! loads = [{ ramp = { from_nm = 0.0, to_nm = 10.0, start_s = 0.0, end_s = 0.05 } }]
 //! loads = [{ table = { time_s = [0.0, 0.1], torque_nm = [0.0, 10.0] } }]
 //! loads = [{ harmonic = { mean_nm = 10.0, amplitude_nm = 1.0, frequency_hz = 50.0, phase_deg = 90.0 } }]
+//! loads = [{ csv = { file = "drive.csv", column = "torque [N m]" } }]
 //! mount = { driven = { speed_rad_s = 100.0 } }      # as above, with speeds
 //! mount = { guided = { stiffness_nm_per_rad = 10.0, damping_nms_per_rad = 0.1, friction_nm = 0.5, stick_rad = 1e-5 } }
 //! ```
 //!
 //! A rack takes forces [N] and speeds [m/s] instead.
 
+use super::error::SceneError;
+use super::measured::{Action, DataFiles, MeasuredTable};
+use super::reading::Place;
 use super::reading::keys::{Table, keys};
 use super::reading::values::{Degrees, NotNegative, Positive, is_default};
 use gearbench_models::law::{DryFriction, FrictionForm};
@@ -34,9 +38,10 @@ impl<'de, K: Deserialize<'de> + Clone + Into<Profile>> Deserialize<'de> for Chec
     }
 }
 
-/// Declares functions of time in one unit: constant, ramp, table or harmonic, and for loads a viscous coefficient.
+/// Declares functions of time in one unit: constant, ramp, table, harmonic or a column of a file, and for loads a
+/// viscous coefficient.
 macro_rules! profiles {
-    ($($choice:ident: $value:ident, $from:ident, $to:ident, $mean:ident, $amplitude:ident $(, $viscous:ident)?; $ramp:ident, $table:ident, $harmonic:ident;)*) => {
+    ($($choice:ident of $action:ident: $value:ident, $from:ident, $to:ident, $mean:ident, $amplitude:ident $(, $viscous:ident)?; $ramp:ident, $table:ident, $harmonic:ident;)*) => {
         $(
             keys! {
                 /// A linear change between two times.
@@ -113,21 +118,30 @@ macro_rules! profiles {
                 table(CheckedProfile<$table>),
                 /// A cosine about a mean.
                 harmonic(CheckedProfile<$harmonic>),
+                /// A column of a CSV file.
+                csv(Box<MeasuredTable>),
                 $(
                 /// A viscous coefficient.
                 $viscous(NotNegative),
                 )?
             }
 
-            impl From<$choice> for Load {
-                fn from(choice: $choice) -> Self {
-                    match choice {
+            impl $choice {
+                /// Returns the load or motion; `at` is its place in the scene.
+                ///
+                /// # Errors
+                /// [`SceneError`] about a CSV file.
+                pub(super) fn load(self, files: &DataFiles<'_>, at: &Place<'_>) -> Result<Load, SceneError> {
+                    Ok(match self {
                         $choice::$value(x) => Load::Applied(Profile::Constant(x)),
                         $choice::ramp(ramp) => Load::Applied(ramp.0.into()),
                         $choice::table(table) => Load::Applied(table.0.into()),
                         $choice::harmonic(harmonic) => Load::Applied(harmonic.0.into()),
+                        $choice::csv(keys) => {
+                            Load::Applied(keys.profile(Action::$action, files, &at.key("csv"))?)
+                        }
                         $($choice::$viscous(c) => Load::Viscous(c.0),)?
-                    }
+                    })
                 }
             }
         )*
@@ -138,10 +152,10 @@ macro_rules! profiles {
 }
 
 profiles! {
-    GearLoad: torque_nm, from_nm, to_nm, mean_nm, amplitude_nm, viscous_nms_per_rad; TorqueRamp, TorqueTable, TorqueHarmonic;
-    RackLoad: force_n, from_n, to_n, mean_n, amplitude_n, viscous_ns_per_m; ForceRamp, ForceTable, ForceHarmonic;
-    Turning: speed_rad_s, from_rad_s, to_rad_s, mean_rad_s, amplitude_rad_s; TurningRamp, TurningTable, TurningHarmonic;
-    Sliding: speed_m_s, from_m_s, to_m_s, mean_m_s, amplitude_m_s; SlidingRamp, SlidingTable, SlidingHarmonic;
+    GearLoad of Torque: torque_nm, from_nm, to_nm, mean_nm, amplitude_nm, viscous_nms_per_rad; TorqueRamp, TorqueTable, TorqueHarmonic;
+    RackLoad of Force: force_n, from_n, to_n, mean_n, amplitude_n, viscous_ns_per_m; ForceRamp, ForceTable, ForceHarmonic;
+    Turning of Rotation: speed_rad_s, from_rad_s, to_rad_s, mean_rad_s, amplitude_rad_s; TurningRamp, TurningTable, TurningHarmonic;
+    Sliding of Translation: speed_m_s, from_m_s, to_m_s, mean_m_s, amplitude_m_s; SlidingRamp, SlidingTable, SlidingHarmonic;
 }
 
 /// The keys of a guide, and the guide that they give.
@@ -264,17 +278,20 @@ macro_rules! mounts {
 
         impl $name {
             /// The mount, and the guide if the hub is free.
-            pub(super) fn parts(self) -> (Mount, Option<Guide>) {
-                match self {
+            ///
+            /// # Errors
+            /// [`SceneError`] about a CSV file of its motion.
+            pub(super) fn parts(self, files: &DataFiles<'_>, at: &Place<'_>) -> Result<(Mount, Option<Guide>), SceneError> {
+                Ok(match self {
                     $name::$free => (Mount::$free, None),
                     $name::Fixed => (Mount::Fixed, None),
                     $name::Guided(guide) => (Mount::$free, Some(guide.1)),
                     // A motion has no viscous coefficient.
-                    $name::Driven(motion) => match motion.into() {
+                    $name::Driven(motion) => match motion.load(files, &at.key("driven"))? {
                         Load::Applied(profile) => (Mount::Driven(profile), None),
                         Load::Viscous(_) => (Mount::Fixed, None),
                     },
-                }
+                })
             }
         }
     )* };

@@ -12,16 +12,17 @@
 //! ```
 
 use super::error::SceneError;
-use super::gear::{GearDraft, initial_speed};
+use super::gear::{GearDraft, initial_speed, loads};
 use super::material::{MaterialChoice, material};
+use super::measured::DataFiles;
 use super::out_of_plane::{BearingTable, DirectionTable, OutOfPlaneTable, out_of_plane};
 use super::profile::{GearLoad, GearMount};
 use super::reading::Place;
 use super::reading::keys::keys;
 use super::reading::values::{Count, GearName, NotNegative, Positive, is_default};
 use gearbench_models::spec::{
-    BodySpec, Load, Mount, SceneSpec, Section, SectionKind, ShaftDamping, ShaftSpec, SpinTerms,
-    Station, StationMember, initial_speed as speed_at_start, signed_effective_radius,
+    BodySpec, Mount, SceneSpec, Section, SectionKind, ShaftDamping, ShaftSpec, SpinTerms, Station,
+    StationMember, initial_speed as speed_at_start, signed_effective_radius,
 };
 
 keys! {
@@ -105,10 +106,11 @@ pub(super) type ShaftGears = Vec<(usize, f64)>;
 pub(super) fn shafts(
     list: Vec<ShaftTable>,
     gears: &mut [GearDraft],
+    files: &DataFiles<'_>,
     all: &Place<'_>,
 ) -> Result<Vec<ShaftSpec>, SceneError> {
     (list.into_iter().enumerate())
-        .map(|(i, keys)| shaft(keys, gears, &all.member(i)))
+        .map(|(i, keys)| shaft(keys, gears, files, &all.member(i)))
         .collect()
 }
 
@@ -152,6 +154,7 @@ pub(super) fn place_by_shaft(
 fn shaft(
     keys: ShaftTable,
     gears: &mut [GearDraft],
+    files: &DataFiles<'_>,
     at: &Place<'_>,
 ) -> Result<ShaftSpec, SceneError> {
     let damping = match (keys.damping_ratio, keys.damping_s) {
@@ -172,7 +175,7 @@ fn shaft(
         let place = at.key("carries").member(i);
         stations.push(Station {
             place: station.at_m,
-            carries: carried(station, keys.speed_rad_s, gears, &place)?,
+            carries: carried(station, keys.speed_rad_s, (&mut *gears, files), &place)?,
         });
     }
     let sections = keys.sections.unwrap_or_default().into_iter().enumerate();
@@ -188,7 +191,7 @@ fn shaft(
 fn carried(
     keys: StationTable,
     speed: Option<f64>,
-    gears: &mut [GearDraft],
+    (gears, files): (&mut [GearDraft], &DataFiles<'_>),
     at: &Place<'_>,
 ) -> Result<StationMember, SceneError> {
     let name = match (keys.gear, keys.body) {
@@ -244,7 +247,10 @@ fn carried(
             "give 1 to 60 letters, digits, `_`, `-`",
         );
     }
-    let (mount, guide) = keys.mount.map_or((Mount::Revolute, None), GearMount::parts);
+    let (mount, guide) = match keys.mount {
+        Some(mount) => mount.parts(files, &at.key("mount"))?,
+        None => (Mount::Revolute, None),
+    };
     let own = match (&mount, keys.speed_rad_s) {
         (Mount::Revolute, None) => speed,
         (_, own) => own,
@@ -266,7 +272,7 @@ fn carried(
             centre_of_mass: keys.centre_of_mass_m,
             spin: keys.spin_terms,
         };
-        out_of_plane(keys, 5, at)?
+        out_of_plane(keys, 5, files, at)?
     } else {
         None
     };
@@ -277,7 +283,7 @@ fn carried(
         mount,
         guide,
         lateral,
-        loads: keys.loads.into_iter().flatten().map(Load::from).collect(),
+        loads: loads(keys.loads, |load, place| load.load(files, place), at)?,
         planets: (keys.planets.iter().flatten())
             .filter_map(|planet| gears.iter().position(|g| g.spec.name == planet.0))
             .collect(),

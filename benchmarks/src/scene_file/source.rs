@@ -67,7 +67,7 @@ impl SceneFile {
         let tables = self.references.iter().filter_map(|r| r.file());
         (of_models.map(PathBuf::from))
             .chain(tables.map(Path::to_owned))
-            .chain(self.flank_files.iter().cloned())
+            .chain(self.data_files.iter().cloned())
             .collect()
     }
 

@@ -1,4 +1,4 @@
-//! Processing of histories: offset, moving average, window, resampling, in this order.
+//! Processing of histories: offset, zero, moving average, window, resampling, in this order.
 //!
 //! The moving average is that of the linearly interpolated samples over a window of time about each sample, which is
 //! narrower at both ends so that it stays centred: it moves no feature in time. It applies to the reference alone; a
@@ -12,6 +12,8 @@ use super::Channel;
 pub struct Processing {
     /// Added to all times [s].
     pub offset: f64,
+    /// First and last time [s], after the offset, of a part whose mean becomes zero.
+    pub zero: Option<[f64; 2]>,
     /// Width of a centred moving average [s].
     pub moving_average: Option<f64>,
     /// First time that is kept [s].
@@ -47,6 +49,28 @@ impl Processing {
             .fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], c| {
                 [a.min(c.time[0]), b.max(c.time[c.time.len() - 1])]
             });
+        if let Some(part) = self.zero {
+            for c in channels.iter_mut() {
+                let Some(mean) = mean_over(&c.time, &c.value, part) else {
+                    return Err((
+                        format!(
+                            "samples from {:e} s to {:e} s, over which the mean becomes zero",
+                            part[0], part[1]
+                        ),
+                        format!("times from {:e} s to {:e} s", whole[0], whole[1]),
+                        "give two times within the record, after the offset, in ascending order"
+                            .into(),
+                    ));
+                };
+                c.value.iter_mut().for_each(|x| *x -= mean);
+                lines.push(format!(
+                    "mean of the {} from {:e} s to {:e} s subtracted: {mean:e}",
+                    c.quantity.words(),
+                    part[0],
+                    part[1]
+                ));
+            }
+        }
         if let Some(width) = self.moving_average {
             let span = whole[1] - whole[0];
             if width > span {
@@ -144,6 +168,14 @@ fn at(time: &[f64], value: &[f64], t: f64) -> f64 {
     }
 }
 
+/// Mean of the samples between two times; `None` without samples there.
+fn mean_over(time: &[f64], value: &[f64], [from, to]: [f64; 2]) -> Option<f64> {
+    let within = time.iter().zip(value);
+    let within = within.filter(|(t, _)| (from..=to).contains(*t));
+    let (sum, count) = within.fold((0.0, 0_usize), |(sum, n), (_, x)| (sum + x, n + 1));
+    (count > 0).then(|| sum / count as f64)
+}
+
 /// See the head of the module.
 fn moving_average(time: &[f64], value: &[f64], width: f64) -> Vec<f64> {
     let mut integral = Vec::with_capacity(time.len());
@@ -201,6 +233,24 @@ mod tests {
         let line = uneven.map(|t| 1.0 + t);
         let found = moving_average(&uneven, &line, 0.3);
         assert!(found.iter().zip(line).all(|(a, b)| (a - b).abs() < 1e-12));
+    }
+
+    #[test]
+    fn the_mean_of_a_part_becomes_zero() {
+        let mut all = channel(&[0.0, 1.0, 2.0, 3.0], &[4.0, 6.0, 9.0, 1.0]);
+        let todo = Processing {
+            offset: -1.0,
+            zero: Some([-1.0, 0.0]),
+            ..Processing::default()
+        };
+        todo.apply(&mut all, 3).unwrap();
+        assert_eq!(all[0].value, [1.0, 4.0, -4.0]);
+        let mut all = channel(&[0.0, 1.0, 2.0], &[4.0, 6.0, 9.0]);
+        let late = Processing {
+            zero: Some([5.0, 6.0]),
+            ..Processing::default()
+        };
+        assert!(late.apply(&mut all, 3).is_err());
     }
 
     #[test]

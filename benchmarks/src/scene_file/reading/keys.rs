@@ -2,8 +2,9 @@
 
 use super::super::SceneTable;
 use super::super::{
-    calibration_choice, contact, contact_points, damping, deviations, gear, material, mesh, model,
-    modifications, out_of_plane, profile, references, shaft, stage, stiffness, study_plan,
+    calibration_choice, contact, contact_points, damping, deviations, gear, material, measured,
+    mesh, model, modifications, out_of_plane, profile, references, shaft, stage, stiffness,
+    study_plan,
 };
 use crate::studies::{check, precision, stability, sweep};
 
@@ -47,6 +48,7 @@ pub(crate) fn tables() -> impl Iterator<Item = &'static Table> {
         &shaft::StationTable::TABLE,
         &shaft::SectionTable::TABLE,
         &stage::StageTable::TABLE,
+        &measured::MeasuredTable::TABLE,
         &model::ModelTable::TABLE,
         &model::GearModelTable::TABLE,
         &references::ReferenceTable::TABLE,

@@ -30,7 +30,7 @@ use columns::{ColumnTable, UnitTable};
 use conditions::GearConditionTable;
 use gearbench_models::spec::SceneSpec;
 use gearbench_reference::REFERENCES;
-use gearbench_reference::data::Request;
+use gearbench_reference::data::{Delimiter, Request};
 use gearbench_reports::record::SELF;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
@@ -62,6 +62,8 @@ keys! {
         /// added to all times in seconds, default 0; the scene begins at 0
         #[serde(default, skip_serializing_if = "is_default")]
         offset_s: f64,
+        /// first and last time in seconds, after the offset, of a part whose mean is subtracted from all values
+        zero_over_s: Option<[f64; 2]>,
         /// first time that is used in seconds, after the offset, default 0
         from_s: Option<f64>,
         /// last time that is used in seconds, default the end of the scene
@@ -120,6 +122,17 @@ pub enum DelimiterWord {
     Semicolon,
     /// Tabs.
     Tab,
+}
+
+impl DelimiterWord {
+    /// Returns the delimiter.
+    pub(super) fn delimiter(self) -> Delimiter {
+        match self {
+            DelimiterWord::Comma => Delimiter::Comma,
+            DelimiterWord::Semicolon => Delimiter::Semicolon,
+            DelimiterWord::Tab => Delimiter::Tab,
+        }
+    }
 }
 
 /// Decimal sign.
@@ -301,6 +314,7 @@ fn named(
                 "delimiter",
                 "decimal",
                 "offset_s",
+                "zero_over_s",
                 "from_s",
                 "to_s",
                 "moving_average_s",

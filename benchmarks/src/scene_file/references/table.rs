@@ -8,7 +8,7 @@ use super::{
 };
 use gearbench_models::spec::{Body, Mount, Profile, SceneSpec};
 use gearbench_reference::data::{
-    Delimiter, ForceKind, GearSubject, MeshSubject, Processing, Request, Subjects, Turning,
+    ForceKind, GearSubject, MeshSubject, Processing, Request, Subjects, Turning,
 };
 
 /// Builds the request by which a reference table is read.
@@ -39,14 +39,11 @@ pub(super) fn request(
             ForceKindWord::Normal => ForceKind::Normal,
             ForceKindWord::Transverse => ForceKind::Transverse,
         }),
-        delimiter: keys.delimiter.map(|d| match d {
-            DelimiterWord::Comma => Delimiter::Comma,
-            DelimiterWord::Semicolon => Delimiter::Semicolon,
-            DelimiterWord::Tab => Delimiter::Tab,
-        }),
+        delimiter: keys.delimiter.map(DelimiterWord::delimiter),
         decimal_comma: keys.decimal.map(|d| matches!(d, DecimalWord::Comma)),
         processing: Processing {
             offset: keys.offset_s,
+            zero: keys.zero_over_s,
             moving_average: keys.moving_average_s.map(f64::from),
             from,
             to: Some(to),
