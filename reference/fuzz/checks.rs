@@ -73,9 +73,11 @@ pub fn table(data: &[u8]) {
     let gear = |name: &str, slides| GearSubject {
         name: name.into(),
         slides,
+        toothed: true,
     };
     let subjects = Subjects {
         gears: vec![gear("pinion", None), gear("wheel", Some(0.02))],
+        spans: vec![["motor", "pinion"].map(Into::into)],
         meshes: vec![MeshSubject {
             gears: ["pinion", "wheel"].map(Into::into),
             base_helix: 0.3,
@@ -89,6 +91,7 @@ pub fn table(data: &[u8]) {
     let processed = Request {
         processing: Processing {
             offset: -1e-4,
+            zero: Some([0.0, 1e-3]),
             moving_average: Some(1e-5),
             from: 0.0,
             to: Some(1.0),

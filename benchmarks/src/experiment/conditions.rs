@@ -27,8 +27,8 @@ pub struct Conditions {
     pub duration: f64,
     /// Number of samples of the histories over the duration.
     pub samples: usize,
-    /// True if torques are recorded ([`Conditions::compared_with`]).
-    pub torques: bool,
+    /// True if all quantities that references may have are recorded ([`Conditions::compared_with`]).
+    pub measurable: bool,
     /// True if contact events are located.
     pub events: bool,
     /// Number of timed repeats of each run.
@@ -73,23 +73,28 @@ impl Conditions {
             settings: Vec::new(),
             duration: scene.duration,
             samples: scene.study.samples,
-            torques: false,
+            measurable: false,
             events: scene.study.events,
             repeats: 1,
             timeout: NO_BOUND,
             max_steps: u64::MAX,
         }
     }
-    /// Also records the torques that some reference contains, for comparison with it.
+    /// Also records what some reference may contain besides forces and the motion of gears, for comparison with it.
     #[must_use]
     pub fn compared_with<'r>(
         mut self,
+        scene: &SceneSpec,
         references: impl IntoIterator<Item = &'r Reference>,
     ) -> Self {
-        let is_torque =
-            |c: &Channel| matches!(c.quantity, Quantity::Torque(_) | Quantity::MountTorque(_));
+        let gears = scene.gears.len();
+        let is_further = |c: &Channel| match c.quantity {
+            Quantity::Torque(_) | Quantity::MountTorque(_) => true,
+            Quantity::Speed(g) | Quantity::Angle(g) => g >= gears,
+            Quantity::Force(_) | Quantity::TransmissionError(_) | Quantity::ShaftTorque(_) => false,
+        };
         let mut references = references.into_iter();
-        self.torques |= references.any(|r| r.channels.iter().any(is_torque));
+        self.measurable |= references.any(|r| r.channels.iter().any(is_further));
         self
     }
 
@@ -114,7 +119,7 @@ impl Conditions {
             grid,
             also_steps: true,
             forces: false,
-            torques: self.torques,
+            measurable: self.measurable,
             paths: false,
             histories: false,
             pictures: None,

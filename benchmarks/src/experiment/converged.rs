@@ -8,6 +8,7 @@
 //! |---|---|
 //! | without modes, adaptive methods alone | Dormand-Prince with located events at a thousandth of their finest tolerance, then a hundredth, a tenth |
 //! | without modes | Dormand-Prince with located events at 1e-12, 1e-10, 1e-8 |
+//! | without modes, stiff beyond these | methods with a step among those of the study, at a tenth of it |
 //! | with modes, adaptive methods among those of the study | Dormand-Prince at a tenth of their finest tolerance |
 //! | with modes | the method that is exact for these at a tenth of its shortest step, then at a tenth of its finest tolerance or 1e-4 |
 //!
@@ -17,6 +18,7 @@
 use super::run::{Job, NO_BOUND, RunError, run};
 use gearbench_integrators::table::{DOPRI5, TRIGONOMETRIC};
 use gearbench_integrators::{MethodSpec, Resolution, Scheme};
+use gearbench_reports::numbers::quantity;
 use gearbench_reports::record::{ConvergedSettings, Run, Status};
 use gearbench_reports::series::TimeSeries;
 use serde::{Deserialize, Serialize};
@@ -30,6 +32,9 @@ const RELATIVE: [f64; 3] = [1e-3, 1e-2, FINER];
 const EXACT_RTOL: f64 = 1e-4;
 /// Bound on the number of steps of a solution by this method.
 const EXACT_STEPS: u64 = 1_000_000;
+/// Share of the simulated time on which an adaptive candidate is tried first where a stepped one follows, and the share of
+/// its bound on steps that it may take there.
+const PROBE: [f64; 2] = [0.02, 0.06];
 /// Largest error of a converged solution relative to the error of the run that it judges.
 const FINER: f64 = 0.1;
 /// Largest number of coordinates for which a converged solution is computed: beyond, it costs more than all the runs.
@@ -136,6 +141,14 @@ pub fn candidates(row: &Run, asked: &[Scheme]) -> Vec<Candidate> {
     }
     if row.dofs <= SMALL {
         all.extend(tight(row.dofs, asked));
+        // What is stiff, as a train with couplings, takes explicit methods more steps than they have.
+        let finer = |s: &Scheme| {
+            let step = s.resolution.step()?;
+            Some((s.method.at(Resolution::Step(FINER * step)), EXACT_STEPS))
+        };
+        if row.modes.is_none() {
+            all.extend(asked.iter().filter_map(finer));
+        }
     }
     all
 }
@@ -187,6 +200,26 @@ pub fn converged(job: &Job<'_>, candidates: &[Candidate]) -> Result<ConvergedRes
             pictures: None,
             ..*job
         };
+        if method.resolution.tolerance().is_some() && stepped_follows(candidates, method) {
+            let [time, share] = PROBE;
+            let probe = Job {
+                t_end: time * job.t_end,
+                grid: &[],
+                max_steps: (share * *steps as f64) as u64,
+                ..job
+            };
+            if let Ok(row) = run(&probe)
+                && row.status == Status::Timeout
+            {
+                tried.push(format!(
+                    "{}: {} steps over the first {}",
+                    method.described(),
+                    probe.max_steps,
+                    quantity(row.simulated_s, "s", 3)
+                ));
+                continue;
+            }
+        }
         let row = match run(&job) {
             // Terms of rotation couple the modes, or a carrier turns: this method is not for the model.
             Err(RunError::NoLinearPart(..)) => continue,
@@ -205,6 +238,12 @@ pub fn converged(job: &Job<'_>, candidates: &[Candidate]) -> Result<ConvergedRes
         "no converged solution of the model reached the end within its bound of steps ({})",
         tried.join("; ")
     )))
+}
+
+/// True if a candidate with a step follows an adaptive one of another method.
+fn stepped_follows(candidates: &[Candidate], method: &Scheme) -> bool {
+    let mut later = candidates.iter().skip_while(|(own, _)| own != method);
+    later.any(|(other, _)| other.resolution.step().is_some())
 }
 
 #[cfg(test)]

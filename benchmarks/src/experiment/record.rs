@@ -82,8 +82,8 @@ pub fn time_series(job: &Job<'_>, scene: &Scene, history: &History) -> TimeSerie
             columns.extend(gears.clone().map(|g| column(Channel::Gear(g, bearing))));
         }
     }
-    if job.torques {
-        columns.extend(torques(spec, values));
+    if job.measurable {
+        columns.extend(measurable(spec, values));
     }
     for m in meshes {
         columns.push(column(Channel::Mesh(m, OfMesh::Transverse)));
@@ -123,10 +123,14 @@ fn of_shafts(spec: &SceneSpec) -> impl Iterator<Item = Channel> + '_ {
 /// Channels of the torques of a gear.
 const TORQUES: [OfGear; 2] = [OfGear::ContactTorque, OfGear::MountTorque];
 
-/// Torques of contacts and mounts, by gear, from the values of their channels.
-fn torques(spec: &SceneSpec, values: impl Fn(Channel) -> Vec<f64>) -> Vec<Column> {
-    let gears = 0..spec.gears.len();
-    let channels = gears.flat_map(|g| TORQUES.map(|what| Channel::Gear(g, what)));
+/// Torques of contacts and mounts by gear, then motions and torques of bodies, from the values of their channels.
+fn measurable(spec: &SceneSpec, values: impl Fn(Channel) -> Vec<f64>) -> Vec<Column> {
+    let gears = spec.gears.len();
+    let of_body = [OfGear::Speed, OfGear::Displacement, OfGear::MountTorque];
+    let bodies = gears..gears + spec.bodies().count();
+    let bodies = bodies.flat_map(|b| of_body.map(|what| Channel::Gear(b, what)));
+    let gears = (0..gears).flat_map(|g| TORQUES.map(|what| Channel::Gear(g, what)));
+    let channels = gears.chain(bodies);
     let column = |channel: Channel| Column::new(channel.column(spec), values(channel));
     channels.map(column).collect()
 }
@@ -159,7 +163,7 @@ pub fn histories(job: &Job<'_>, scene: &Scene, history: &History) -> Histories {
             OfGear::MountTorque,
         ] {
             // The series may have torques already.
-            if !(job.torques && TORQUES.contains(&what)) {
+            if !(job.measurable && TORQUES.contains(&what)) {
                 add(Channel::Gear(g, what));
             }
         }

@@ -62,6 +62,7 @@ fn add_channel(series: &mut TimeSeries, channel: &data::Channel, scene: &SceneSp
         Quantity::Force(m) => Channel::Mesh(m, OfMesh::Force).column(scene),
         Quantity::Angle(g) => Channel::Gear(g, OfGear::Displacement).column(scene),
         Quantity::Torque(g) => Channel::Gear(g, OfGear::ContactTorque).column(scene),
+        Quantity::ShaftTorque(s) => Channel::ShaftTorque(s).column(scene),
         Quantity::MountTorque(g) => Channel::Gear(g, OfGear::MountTorque).column(scene),
     };
     series.columns.push(Column::new(name, values));

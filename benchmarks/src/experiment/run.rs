@@ -61,8 +61,9 @@ pub struct Job<'a> {
     pub also_steps: bool,
     /// True if the components of contact and bearing forces are recorded.
     pub forces: bool,
-    /// True if torques are recorded, which references may contain besides forces and speeds.
-    pub torques: bool,
+    /// True if torques of gears, and motions and torques of bodies, are recorded, which references may contain besides
+    /// forces and the motion of gears.
+    pub measurable: bool,
     /// True if the paths of torque and power are computed, also of a pair without shafts.
     pub paths: bool,
     /// True if the data of the history files are stored.
@@ -85,7 +86,7 @@ impl Job<'_> {
         Key::new("run")
             .and_scene(self.scene, self.modelling)
             .and(&(self.method, self.t_end, self.grid, self.also_steps))
-            .and(&(self.forces, self.torques, self.paths, self.histories))
+            .and(&(self.forces, self.measurable, self.paths, self.histories))
             .and(&self.pictures)
             .and(&(self.events, self.repeats))
             .and(&(self.timeout, self.max_steps))

@@ -218,6 +218,7 @@ impl MeasuredTable {
             gears: vec![GearSubject {
                 name: self.column.clone(),
                 slides: slides.then_some(1.0),
+                toothed: true,
             }],
             ..Subjects::default()
         }

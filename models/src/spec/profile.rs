@@ -103,6 +103,8 @@ impl Table {
     fn value(&self, t: f64) -> f64 {
         match self.after(t) {
             0 => self.value[0],
+            // Also at infinity.
+            i if i == self.time.len() => self.value[i - 1],
             i => self.value[i - 1] + self.slope_after(i) * (t - self.time[i - 1]),
         }
     }
@@ -387,6 +389,7 @@ mod tests {
         assert!((p.integral(5.0) - (1.5 + 2.0 - 1.0)).abs() < 1e-14);
         assert_eq!(p.next_breakpoint(1.0), 2.0);
         assert_eq!(p.next_breakpoint(4.0), f64::INFINITY);
+        assert_eq!((p.settled(), p.value(0.0), p.value(3.0)), (-1.0, 0.0, 1.0));
         // A table that begins before time 0 counts from there, and backwards with the other sign.
         let early = Profile::table(vec![-2.0, 2.0], vec![0.0, 4.0]);
         assert!((early.integral(1.0) - 2.5).abs() < 1e-14);

@@ -68,7 +68,9 @@ fn names(role: Role, subjects: &Subjects) -> Vec<(String, ForceKind)> {
     let of_gear = |g: usize, words: &[&str], by_number: &[&str]| -> Vec<String> {
         let name = subjects.gears.get(g).map_or("", |g| g.name.as_str());
         let named = words.iter().map(|w| format!("{w}_{name}"));
-        let by_number = (by_number.iter()).map(|w| w.replace('#', &(g + 1).to_string()));
+        let numbered = subjects.gears.get(g).is_some_and(|g| g.toothed);
+        let by_number = by_number.iter().filter(|_| numbered);
+        let by_number = by_number.map(|w| w.replace('#', &(g + 1).to_string()));
         named.chain(by_number).collect()
     };
     match role {
@@ -94,7 +96,7 @@ fn names(role: Role, subjects: &Subjects) -> Vec<(String, ForceKind)> {
         Role::Of(Quantity::TransmissionError(m)) => normal(of_mesh(m, &["transmission_error"])),
         Role::Of(Quantity::Speed(g)) => {
             let by_number = ["omega#", "omega#_mean", "speed#"];
-            normal(of_gear(g, &["speed", "omega"], &by_number))
+            normal(of_gear(g, &["speed", "omega", "hub_speed"], &by_number))
         }
         Role::Of(Quantity::Angle(g)) => {
             let words = ["hub_angle", "hub_displacement", "angle"];
@@ -104,6 +106,11 @@ fn names(role: Role, subjects: &Subjects) -> Vec<(String, ForceKind)> {
             normal(of_gear(g, &["contact_torque", "torque"], &["torque#"]))
         }
         Role::Of(Quantity::MountTorque(g)) => normal(of_gear(g, &["mount_torque"], &[])),
+        Role::Of(Quantity::ShaftTorque(s)) => {
+            let [a, b] = (subjects.spans.get(s))
+                .map_or(["", ""], |names| names.each_ref().map(String::as_str));
+            normal(vec![format!("shaft_torque_{a}_{b}")])
+        }
     }
 }
 

@@ -33,7 +33,8 @@ pub use read::{Request, read};
 pub use table::{Delimiter, TableError, decode};
 pub use units::{Dimension, factor};
 
-/// Quantity of a history; gears and meshes are numbered by their position in the scene, from 0.
+/// Quantity of a history; gears, bodies behind them, meshes and spans of shafts are numbered by their position in the
+/// scene, from 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Quantity {
     /// Normal contact force of a mesh, the magnitude of the sum over its tooth pairs [N].
@@ -48,6 +49,8 @@ pub enum Quantity {
     Torque(usize),
     /// Torque of the mount that fixes or drives a gear [N m], for a rack its force along the motion [N].
     MountTorque(usize),
+    /// Torque of a member on the next one through their shaft or stage [N m], by the span between them.
+    ShaftTorque(usize),
 }
 
 impl Quantity {
@@ -60,6 +63,7 @@ impl Quantity {
             Quantity::Angle(_) => "angle",
             Quantity::Torque(_) => "torque",
             Quantity::MountTorque(_) => "mount torque",
+            Quantity::ShaftTorque(_) => "shaft torque",
         }
     }
 }
@@ -129,13 +133,15 @@ impl Reference {
     }
 }
 
-/// A gear that columns may be of.
+/// A gear, or a body on a shaft, that columns may be of.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GearSubject {
     /// Its name in the scene.
     pub name: String,
     /// Of a rack, the reference radius of its mate [m], over which angular velocities become its speed; `None` of a gear.
     pub slides: Option<f64>,
+    /// True for a gear; bodies have no contact forces, and no number by which columns may name them.
+    pub toothed: bool,
 }
 
 /// A mesh that columns may be of.
@@ -150,11 +156,13 @@ pub struct MeshSubject {
     pub base_radius: Option<f64>,
 }
 
-/// Gears and meshes of a scene, as far as columns are about them.
+/// Gears, bodies, meshes and shafts of a scene, as far as columns are about them.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Subjects {
-    /// Gears in the order of the scene.
+    /// Gears in the order of the scene, then bodies on shafts.
     pub gears: Vec<GearSubject>,
+    /// Names of the neighbours on shafts and of the members of stages, between which torques act.
+    pub spans: Vec<[String; 2]>,
     /// Meshes in its order.
     pub meshes: Vec<MeshSubject>,
     /// Rotation of the first gear of the first mesh at constant speed, which converts a table over its angle of
@@ -182,6 +190,10 @@ impl Subjects {
         let words = quantity.words();
         match quantity {
             Quantity::Force(m) | Quantity::TransmissionError(m) => format!("{words}{}", mesh(m)),
+            Quantity::ShaftTorque(s) => match self.spans.get(s) {
+                Some([a, b]) => format!("{words} of {a}-{b}"),
+                None => words.to_owned(),
+            },
             Quantity::Speed(g)
             | Quantity::Angle(g)
             | Quantity::Torque(g)
@@ -202,7 +214,9 @@ impl Subjects {
             Quantity::Angle(g) if slides(g) => Dimension::Length,
             Quantity::Angle(_) => Dimension::Angle,
             Quantity::Torque(g) | Quantity::MountTorque(g) if slides(g) => Dimension::Force,
-            Quantity::Torque(_) | Quantity::MountTorque(_) => Dimension::Torque,
+            Quantity::Torque(_) | Quantity::MountTorque(_) | Quantity::ShaftTorque(_) => {
+                Dimension::Torque
+            }
         }
     }
 
@@ -212,13 +226,16 @@ impl Subjects {
         let gears = 0..self.gears.len();
         let of_meshes = meshes.flat_map(|m| [Quantity::Force(m), Quantity::TransmissionError(m)]);
         let of_gears = gears.flat_map(|g| {
-            [
+            let all = [
                 Quantity::Speed(g),
                 Quantity::Angle(g),
                 Quantity::Torque(g),
                 Quantity::MountTorque(g),
-            ]
+            ];
+            let toothed = self.gears[g].toothed;
+            (all.into_iter()).filter(move |q| toothed || !matches!(q, Quantity::Torque(_)))
         });
-        of_meshes.chain(of_gears)
+        let of_spans = (0..self.spans.len()).map(Quantity::ShaftTorque);
+        of_meshes.chain(of_gears).chain(of_spans)
     }
 }

@@ -1,4 +1,4 @@
-//! Errors of angles and torques, relative to the span of the reference.
+//! Errors of angles, speeds and torques, relative to the span of the reference.
 //!
 //! ```text
 //! error = sqrt( int (y - y_r)^2 dt / T ) / (max y_r - min y_r)
@@ -12,16 +12,22 @@
 use super::history::trapezoid_weights;
 use super::larger;
 use crate::record::finite;
-use crate::series::TimeSeries;
+use crate::series::{SPEED, TimeSeries};
 
 /// True if the column is an angle of a hub, or the displacement of a rack.
 pub(super) fn is_angle(name: &str) -> bool {
     name.starts_with("hub_angle_") || name.starts_with("hub_displacement_")
 }
 
-/// True if the column is a torque about a gear's axis, or a force along the slide of a rack.
+/// True if the column is the speed of a gear or body.
+pub(super) fn is_speed(name: &str) -> bool {
+    SPEED.subject(name).is_some()
+}
+
+/// True if the column is a torque about a gear's axis or through a shaft, or a force along the slide of a rack.
 pub(super) fn is_torque(name: &str) -> bool {
-    name.starts_with("contact_torque_") || name.starts_with("mount_torque_")
+    let of_torques = ["contact_torque_", "mount_torque_", "shaft_torque_"];
+    of_torques.iter().any(|start| name.starts_with(start))
 }
 
 /// A column of the run and of the reference at the reference's times.

@@ -58,6 +58,9 @@ words! {
         /// Largest error of an angle, over the span of that angle.
         #[serde(alias = "angle")]
         Angle = "angle_l2",
+        /// Largest error of a speed over time, over the span of that speed.
+        #[serde(alias = "speed")]
+        Speed = "speed_l2",
         /// Largest error of a torque, over the span of that torque.
         #[serde(alias = "torque")]
         Torque = "torque_l2",
@@ -117,6 +120,7 @@ impl Metric {
                 Some("transmission-error-aligned"),
             ),
             Self::Angle => ("angle error", "", Some("angle")),
+            Self::Speed => ("speed error", "", Some("speed")),
             Self::Torque => ("torque error", "", Some("torque")),
             Self::TorquePeakRel => ("torque-peak error", "", Some("torque-peak")),
             Self::EnergyDrift => ("energy drift", "", Some("energy")),
@@ -145,6 +149,7 @@ impl Metric {
             Self::TransmissionErrorOrders => "error of the amplitudes of the transmission error at multiples of the mesh frequency, over the last whole mesh cycles: root of the sum of squares over that of the reference's",
             Self::TransmissionErrorAligned => "relative L2 error of the periodic part of the transmission error, without its mean and after the best shift",
             Self::Angle => "greatest error of an angle against an external reference: root mean square over the range of the reference",
+            Self::Speed => "greatest error of a speed against an external reference: root mean square over the range of the reference",
             Self::Torque => "greatest error of a torque against an external reference: root mean square over the range of the reference",
             Self::TorquePeakRel => "largest error of the peak of a torque",
             Self::EnergyDrift => "residual of the energy ledger over its largest entry",
@@ -158,15 +163,18 @@ impl Metric {
     pub fn of_integration(self) -> Self {
         match self {
             Self::ForceL2 | Self::ForceL2Aligned => Self::ForceL1,
-            // Angles and torques are held against references from elsewhere alone; torques follow the force.
-            Self::Angle | Self::Torque | Self::TorquePeakRel => Self::ForceL1,
+            // Angles, speeds and torques are held against references from elsewhere alone; torques follow the force.
+            Self::Angle | Self::Speed | Self::Torque | Self::TorquePeakRel => Self::ForceL1,
             other => other,
         }
     }
 
     /// True if the metric exists against external references only, not between two runs of the same study.
     pub fn is_of_measurements(self) -> bool {
-        matches!(self, Self::Angle | Self::Torque | Self::TorquePeakRel)
+        matches!(
+            self,
+            Self::Angle | Self::Speed | Self::Torque | Self::TorquePeakRel
+        )
     }
 
     /// Returns the name in prose.

@@ -14,6 +14,7 @@
 //! transmission_error_orders_rel, transmission_error_l2_aligned: by orders of the mesh cycle, see [`orders`]
 //! transmission_error_l2 = sqrt( int (e - e_r)^2 dt / int e_r^2 dt ) over the times at which f_r acts
 //! angle_l2         = max over gears of sqrt( int (phi - phi_r)^2 dt / T ) / span of phi_r
+//! speed_l2         = the same of speeds, of gears and bodies
 //! torque_l2        = the same of torques
 //! torque_peak_rel  = max |M| / max |M_r| - 1, of the torque for which its magnitude is largest
 //! ```
@@ -176,6 +177,7 @@ pub fn compare(run: FinishedRun<'_>, reference: &TimeSeries, against: &str) -> M
         .fold(None, larger);
     if reference.force.is_none() {
         metrics.angle_l2 = columns::worst(series, reference, columns::is_angle);
+        metrics.speed_l2 = columns::worst(series, reference, columns::is_speed);
         metrics.torque_l2 = columns::worst(series, reference, columns::is_torque);
         metrics.torque_peak_rel = columns::peak(series, reference, columns::is_torque);
     }
@@ -216,6 +218,7 @@ pub fn compare_all(run: FinishedRun<'_>, all: &[&TimeSeries], against: &str) -> 
                 more.transmission_error_l2_aligned,
             ),
             (&mut whole.angle_l2, more.angle_l2),
+            (&mut whole.speed_l2, more.speed_l2),
             (&mut whole.torque_l2, more.torque_l2),
             (&mut whole.torque_peak_rel, more.torque_peak_rel),
         ] {

@@ -335,6 +335,9 @@ pub struct Metrics {
     /// Largest error of an angle: root mean square over the span of the reference's [-].
     #[serde(skip_serializing_if = "not_a_number")]
     pub angle_l2: Option<f64>,
+    /// Largest error of a speed: root mean square over the span of the reference's [-].
+    #[serde(skip_serializing_if = "not_a_number")]
+    pub speed_l2: Option<f64>,
     /// Largest error of a torque: root mean square over the span of the reference's [-].
     #[serde(skip_serializing_if = "not_a_number")]
     pub torque_l2: Option<f64>,
@@ -381,6 +384,7 @@ impl Metrics {
             Metric::TransmissionErrorOrders => self.transmission_error_orders_rel,
             Metric::TransmissionErrorAligned => self.transmission_error_l2_aligned,
             Metric::Angle => self.angle_l2,
+            Metric::Speed => self.speed_l2,
             Metric::Torque => self.torque_l2,
             Metric::TorquePeakRel => self.torque_peak_rel,
             Metric::EnergyDrift => self.energy_drift_rel,

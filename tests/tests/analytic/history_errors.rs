@@ -99,7 +99,7 @@ impl Impact {
             grid: &grid,
             also_steps: true,
             forces: false,
-            torques: false,
+            measurable: false,
             paths: false,
             histories: false,
             pictures: None,

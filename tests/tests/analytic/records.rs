@@ -26,7 +26,7 @@ fn history(spec: &SceneSpec) -> TimeSeries {
         grid: &grid,
         also_steps: false,
         forces: false,
-        torques: false,
+        measurable: false,
         paths: false,
         histories: false,
         pictures: None,

@@ -83,7 +83,7 @@ impl FailureCase {
             grid: &grid,
             also_steps: true,
             forces: false,
-            torques: false,
+            measurable: false,
             paths: false,
             histories: false,
             pictures: None,

@@ -1,4 +1,4 @@
-//! Columns and units of a reference table by gear and mesh.
+//! Columns and units of a reference table by gear, body, mesh and shaft.
 
 use super::super::SceneError;
 use super::super::reading::Place;
@@ -19,14 +19,16 @@ keys! {
         force: Option<OneOrNamed>,
         /// column of the transmission error of the first mesh, or by mesh
         transmission_error: Option<OneOrNamed>,
-        /// columns of speeds by gear: speed.pinion = "n1 [1/min]"
+        /// columns of speeds by gear or body: speed.pinion = "n1 [1/min]"
         speed: Option<OrderedTable<String>>,
-        /// columns of angles by gear
+        /// columns of angles by gear or body
         angle: Option<OrderedTable<String>>,
         /// columns of torques of the contact forces by gear
         torque: Option<OrderedTable<String>>,
-        /// columns of torques of held and driven mounts, by gear
+        /// columns of torques of held and driven mounts, by gear or body
         mount_torque: Option<OrderedTable<String>>,
+        /// columns of torques through shafts and stages: shaft_torque.motor-pinion = "T1 [N m]"
+        shaft_torque: Option<OrderedTable<String>>,
     }
 
     /// Units of the columns of a reference.
@@ -45,6 +47,8 @@ keys! {
         torque: Option<OneOrNamed>,
         /// the same of torques of mounts
         mount_torque: Option<OneOrNamed>,
+        /// unit of torques through shafts, or by both members
+        shaft_torque: Option<OneOrNamed>,
     }
 }
 
@@ -69,8 +73,27 @@ fn mesh_of(spec: &SceneSpec, name: &str) -> Option<usize> {
     })
 }
 
-fn gear_of(spec: &SceneSpec, name: &str) -> Option<usize> {
-    spec.gears.iter().position(|g| g.name == name)
+/// Number of gears and bodies.
+fn members(spec: &SceneSpec) -> usize {
+    spec.gears.len() + spec.bodies().count()
+}
+
+/// Index of a gear or, behind them, of a body.
+fn member_of(spec: &SceneSpec, name: &str) -> Option<usize> {
+    (0..members(spec)).find(|i| spec.member_name(*i) == name)
+}
+
+/// Index of a span of a shaft, or of a stage, by the names of both members, joined.
+fn span_of(spec: &SceneSpec, name: &str) -> Option<usize> {
+    spans(spec)
+        .iter()
+        .position(|[a, b]| [format!("{a}-{b}"), format!("{a}_{b}")].contains(&name.to_owned()))
+}
+
+/// Names of the members of all spans.
+pub(super) fn spans(spec: &SceneSpec) -> Vec<[String; 2]> {
+    let named = |members: [usize; 2]| members.map(|i| spec.member_name(i).to_owned());
+    spec.spans().into_iter().map(named).collect()
 }
 
 /// Reads entries by names; each is a quantity of its gear or mesh.
@@ -92,8 +115,17 @@ fn by_name(
     list.0.iter().map(one).collect()
 }
 
-fn gears(spec: &SceneSpec) -> Vec<String> {
-    spec.gears.iter().map(|g| g.name.clone()).collect()
+fn names(spec: &SceneSpec) -> Vec<String> {
+    let names = (0..members(spec)).map(|i| spec.member_name(i).to_owned());
+    names.collect()
+}
+
+/// Names of all spans, as keys.
+fn joined(spec: &SceneSpec) -> Vec<String> {
+    spans(spec)
+        .iter()
+        .map(|[a, b]| format!("{a}-{b}"))
+        .collect()
 }
 
 fn meshes(spec: &SceneSpec) -> Vec<String> {
@@ -138,9 +170,20 @@ pub(super) fn columns(
     ];
     for (key, list, of) in of_gears {
         if let Some(list) = list {
-            let find = |name: &str| gear_of(spec, name);
-            all.extend(by_name(list, of, find, &gears(spec), &at.key(key))?);
+            let find = |name: &str| member_of(spec, name);
+            all.extend(by_name(list, of, find, &names(spec), &at.key(key))?);
         }
+    }
+    if let Some(list) = &keys.shaft_torque {
+        let find = |name: &str| span_of(spec, name);
+        let at = at.key("shaft_torque");
+        all.extend(by_name(
+            list,
+            Quantity::ShaftTorque,
+            find,
+            &joined(spec),
+            &at,
+        )?);
     }
     Ok((keys.time.clone(), all))
 }
@@ -176,12 +219,30 @@ pub(super) fn units(
         match choice {
             None => {}
             Some(OneOrNamed::One(unit)) => {
-                all.extend((0..spec.gears.len()).map(|g| (of(g), unit.clone())));
+                all.extend((0..members(spec)).map(|g| (of(g), unit.clone())));
             }
             Some(OneOrNamed::Named(list)) => {
-                let find = |name: &str| gear_of(spec, name);
-                all.extend(by_name(list, of, find, &gears(spec), &at.key(key))?);
+                let find = |name: &str| member_of(spec, name);
+                all.extend(by_name(list, of, find, &names(spec), &at.key(key))?);
             }
+        }
+    }
+    match &keys.shaft_torque {
+        None => {}
+        Some(OneOrNamed::One(unit)) => {
+            let spans = 0..spec.spans().len();
+            all.extend(spans.map(|s| (Quantity::ShaftTorque(s), unit.clone())));
+        }
+        Some(OneOrNamed::Named(list)) => {
+            let find = |name: &str| span_of(spec, name);
+            let at = at.key("shaft_torque");
+            all.extend(by_name(
+                list,
+                Quantity::ShaftTorque,
+                find,
+                &joined(spec),
+                &at,
+            )?);
         }
     }
     // Units of a rack may be those of its mate, which the reader knows: here only what is a unit of nothing is refused.

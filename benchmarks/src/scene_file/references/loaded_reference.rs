@@ -147,7 +147,12 @@ impl SceneFile {
         let speeds = of_any(|q| matches!(q, Quantity::Speed(_)));
         let error = of_any(|q| matches!(q, Quantity::TransmissionError(_)));
         let angles = of_any(|q| matches!(q, Quantity::Angle(_)));
-        let torques = of_any(|q| matches!(q, Quantity::Torque(_) | Quantity::MountTorque(_)));
+        let torques = of_any(|q| {
+            matches!(
+                q,
+                Quantity::Torque(_) | Quantity::MountTorque(_) | Quantity::ShaftTorque(_)
+            )
+        });
         let (told, lacking) = match tolerance.metric {
             Metric::ForceL1
             | Metric::ForceL2
@@ -156,7 +161,7 @@ impl SceneFile {
             | Metric::PeakForceRel
             | Metric::RmsForceRel
             | Metric::ImpulseRel => (force, "contact force"),
-            Metric::Rebound => (speeds, "speed of a gear"),
+            Metric::Rebound | Metric::Speed => (speeds, "speed of a gear"),
             Metric::TransmissionError
             | Metric::TransmissionErrorSpanRel
             | Metric::TransmissionErrorOrders

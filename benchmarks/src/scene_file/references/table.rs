@@ -66,6 +66,11 @@ pub fn subjects(spec: &SceneSpec) -> Subjects {
         }
     };
     let gears = spec.gears.iter().enumerate();
+    let bodies = spec.bodies().map(|b| GearSubject {
+        name: b.name.clone(),
+        slides: None,
+        toothed: false,
+    });
     let turning = spec.meshes.first().and_then(|m| {
         let gear = spec.gears.get(m.gears[0])?;
         let speed = match &gear.mount {
@@ -90,8 +95,11 @@ pub fn subjects(spec: &SceneSpec) -> Subjects {
                     Body::Gear(_) => None,
                     Body::Rack(_) => Some(mate(i).unwrap_or(1.0)),
                 },
+                toothed: true,
             })
+            .chain(bodies)
             .collect(),
+        spans: columns::spans(spec),
         meshes: (spec.meshes.iter())
             .map(|m| MeshSubject {
                 gears: spec.names_of(m.gears).map(str::to_owned),

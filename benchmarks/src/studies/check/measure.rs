@@ -65,7 +65,7 @@ pub(super) fn load<'a>(
         case,
         conditions: Conditions {
             events: scene.study.events,
-            ..Conditions::of(&scene).compared_with(&references)
+            ..Conditions::of(&scene).compared_with(&scene.spec, &references)
         },
         configurations,
         methods,

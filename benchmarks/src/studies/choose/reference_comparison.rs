@@ -94,7 +94,7 @@ fn under(
 ) -> Result<Run, RunError> {
     let conditions = Conditions {
         repeats: 0,
-        ..Conditions::of(&held.scene).compared_with(all.iter().map(|h| &h.data))
+        ..Conditions::of(&held.scene).compared_with(&held.scene.spec, all.iter().map(|h| &h.data))
     };
     let mut spec = held.scene.spec.clone();
     // The candidate's scene may have another gap than the file's; one that the reference has counts before it.

@@ -124,7 +124,7 @@ impl<'a> WindowModel<'a> {
             grid,
             also_steps,
             forces: false,
-            torques: false,
+            measurable: false,
             paths: false,
             histories: false,
             pictures: None,

@@ -32,7 +32,7 @@ pub fn run(context: &Context, args: &Compare, command: &str) -> Result<CommandRe
             repeats: args.run.repeats,
             events: scene.study.events && !args.no_events,
             timeout: args.run.bounded.timeout(),
-            ..Conditions::of(&scene).compared_with(&references)
+            ..Conditions::of(&scene).compared_with(&scene.spec, &references)
         },
         ..Plan::of(&scene, &choices, &references)
     };

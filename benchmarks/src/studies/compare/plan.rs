@@ -49,7 +49,7 @@ impl Plan {
     /// Plans the comparison of some models with the settings of the scene: one timed repeat, a minute per run.
     pub fn of(scene: &SceneFile, choices: &[&ModelChoice], references: &[Reference]) -> Plan {
         Plan {
-            conditions: Conditions::of(scene).compared_with(references),
+            conditions: Conditions::of(scene).compared_with(&scene.spec, references),
             entries: choices
                 .iter()
                 .map(|c| Configuration::of(scene, c))

@@ -118,7 +118,7 @@ pub fn compare(plan: &Plan, runner: &Runner<'_>) -> Result<Results, RunError> {
                         };
                         let key = Key::new("converged solution")
                             .and_scene(job.scene, job.modelling)
-                            .and(&(job.t_end, job.grid, job.torques, &candidates));
+                            .and(&(job.t_end, job.grid, job.measurable, &candidates));
                         let found = runner.piece(key, || of_model(&job, &row, &candidates));
                         none.insert(found?)
                     }

@@ -239,7 +239,7 @@ pub fn histories(
     runner: &Runner<'_>,
 ) -> Result<Vec<Result<FitHistory, String>>, RunError> {
     let conditions = Conditions {
-        torques: true,
+        measurable: true,
         repeats: 0,
         ..Conditions::of(scene)
     };

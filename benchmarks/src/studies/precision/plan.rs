@@ -141,7 +141,7 @@ impl Plan {
                 duration: own.duration.unwrap_or(scene.duration),
                 settings,
                 max_steps: MOST_STEPS,
-                ..Conditions::of(scene).compared_with(elsewhere)
+                ..Conditions::of(scene).compared_with(&scene.spec, elsewhere)
             },
             variants,
             fulls,

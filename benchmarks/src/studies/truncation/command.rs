@@ -26,7 +26,7 @@ pub fn run(context: &Context, args: &Truncation, command: &str) -> Result<Comman
         events: true,
         repeats: args.run.repeats,
         timeout: args.run.bounded.timeout(),
-        ..Conditions::of(&scene).compared_with(&references)
+        ..Conditions::of(&scene).compared_with(&scene.spec, &references)
     };
     let plan = Plan {
         external: (references.iter())

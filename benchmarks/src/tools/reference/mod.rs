@@ -306,7 +306,7 @@ fn row(
     let conditions = Conditions {
         timeout: Duration::from_secs_f64(args.timeout),
         repeats: 0,
-        torques: true,
+        measurable: true,
         ..Conditions::of(scene)
     };
     let (spec, grid) = (scene.spec_for(choice), conditions.grid());
