@@ -100,12 +100,8 @@ pub fn check(plan: &Plan, mut done: impl FnMut(usize)) -> Result<Vec<Row>, Valid
     let measured = &stored.history.contact_force[..n];
     let set = DataSet::history(id, &scene.spec_for(choice), time, measured);
     let fit = FitPlan {
-        label: plan.model.clone(),
-        modelling: choice.modelling.clone(),
-        context: scene.context.clone(),
         data: vec![set.clone()],
-        held_out: Vec::new(),
-        wishes: FitOptions::default(),
+        ..FitPlan::new(&plan.model, &choice.modelling, &scene.context)
     };
     let model = modelled(&fit, &set, &truth, 0.0).map_err(|e| other(&e))?;
     let residuals: Vec<f64> = model.iter().zip(measured).map(|(a, b)| b - a).collect();
@@ -125,11 +121,7 @@ pub fn check(plan: &Plan, mut done: impl FnMut(usize)) -> Result<Vec<Row>, Valid
             .collect();
         let made = FitPlan {
             data: vec![DataSet {
-                data: Data::History {
-                    time: time.to_vec(),
-                    force,
-                },
-                ..set.clone()
+                ..DataSet::history(&set.name, &set.spec, time, &force)
             }],
             wishes: FitOptions {
                 fit: Some(keys.clone()),

@@ -127,9 +127,6 @@ pub fn carry(
             .map(|(key, x)| ((*key).to_owned(), *x))
             .collect();
         let plan = FitPlan {
-            label: (*label).into(),
-            modelling: modelling.clone(),
-            context: scene.context.clone(),
             data: data[..1].to_vec(),
             held_out: data[1..].to_vec(),
             wishes: FitOptions {
@@ -137,6 +134,7 @@ pub fn carry(
                 held,
                 ..FitOptions::default()
             },
+            ..FitPlan::new(label, &modelling, &scene.context)
         };
         let found = identify(&plan, runner, |_, _| {}).map_err(|e: IdentifyError| other(&e))?;
         print(&format!(

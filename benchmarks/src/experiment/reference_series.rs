@@ -43,6 +43,19 @@ pub fn recorded(r: &Reference, scene: &SceneSpec) -> ReferenceSeries {
     }
 }
 
+/// Returns the channel of runs with a quantity; a transmission error is made of two angles and has none.
+pub fn channel_of(quantity: Quantity) -> Option<Channel> {
+    Some(match quantity {
+        Quantity::Force(m) => Channel::Mesh(m, OfMesh::Force),
+        Quantity::TransmissionError(_) => return None,
+        Quantity::Speed(g) => Channel::Gear(g, OfGear::Speed),
+        Quantity::Angle(g) => Channel::Gear(g, OfGear::Displacement),
+        Quantity::Torque(g) => Channel::Gear(g, OfGear::ContactTorque),
+        Quantity::MountTorque(g) => Channel::Gear(g, OfGear::MountTorque),
+        Quantity::ShaftTorque(s) => Channel::ShaftTorque(s),
+    })
+}
+
 /// Adds a history to the series with the same times.
 fn add_channel(series: &mut TimeSeries, channel: &data::Channel, scene: &SceneSpec) {
     let mut values = channel.value.clone();
@@ -59,11 +72,10 @@ fn add_channel(series: &mut TimeSeries, channel: &data::Channel, scene: &SceneSp
             Some(mesh) => TRANSMISSION_ERROR.of_mesh(&scene.names_of(mesh.gears)),
             None => return,
         },
-        Quantity::Force(m) => Channel::Mesh(m, OfMesh::Force).column(scene),
-        Quantity::Angle(g) => Channel::Gear(g, OfGear::Displacement).column(scene),
-        Quantity::Torque(g) => Channel::Gear(g, OfGear::ContactTorque).column(scene),
-        Quantity::ShaftTorque(s) => Channel::ShaftTorque(s).column(scene),
-        Quantity::MountTorque(g) => Channel::Gear(g, OfGear::MountTorque).column(scene),
+        other => match channel_of(other) {
+            Some(channel) => channel.column(scene),
+            None => return,
+        },
     };
     series.columns.push(Column::new(name, values));
 }

@@ -18,10 +18,8 @@ use crate::context::Context;
 use crate::small_signals::assemble;
 use gearbench_integrators::modal::resonance::{resonances, safe_step};
 use gearbench_integrators::system::{SecondOrderSystem, State};
-use gearbench_integrators::{
-    Integrator, NullSink, Resolution, Scheme, Sink, StepError, TimePlan, Work, integration_time,
-};
-use gearbench_models::scene::Scene;
+use gearbench_integrators::{NullSink, Scheme, Sink, StepError, TimePlan, Work, integration_time};
+use gearbench_models::scene::{Channel, OfMesh, Scene};
 use gearbench_models::spec::{Modelling, SceneSpec};
 use gearbench_reference::limits;
 use gearbench_reports::record::{ContactSnapshot, Run};
@@ -393,14 +391,13 @@ pub fn bare<'j>(job: &'j Job<'_>, scene: &'j mut Scene) -> impl FnMut() + 'j {
     }
 }
 
-/// Integrates without timing and status, and returns the force at the sampling times, for fits [N].
-pub fn force_on_grid(
+/// Integrates without timing and status, and returns a channel at the sampling times, for fits, in SI units.
+pub fn history_on_grid(
     context: &Context,
     scene: &mut Scene,
-    method: &mut dyn Integrator,
-    resolution: Resolution,
+    method: &Scheme,
     max_steps: u64,
-    grid: &[f64],
+    (grid, channel): (&[f64], Channel),
 ) -> Result<Vec<f64>, StepError> {
     let mut history = History::new(scene, grid.to_vec());
     let mut state = scene.initial();
@@ -408,11 +405,16 @@ pub fn force_on_grid(
     let plan = TimePlan {
         max_steps,
         cancel: Some(context.interruption.flag()),
-        ..TimePlan::new(end, resolution)
+        ..TimePlan::new(end, method.resolution)
     };
     let sink: &mut dyn Sink = &mut history;
+    let mut method = method.method.build();
     method.run(scene, &mut state, &plan, sink, &mut Work::default())?;
-    Ok(history.force())
+    Ok(match (channel, scene.channel(channel)) {
+        (Channel::Mesh(0, OfMesh::Force), _) => history.force(),
+        (_, Some(index)) => history.column(index),
+        (_, None) => Vec::new(),
+    })
 }
 
 /// A note on modes that resonate with the fixed step of a method that integrates modes exactly.

@@ -8,9 +8,15 @@ fn subjects(base_helix: f64, rack: Option<f64>) -> Subjects {
     let gear = |name: &str, slides| GearSubject {
         name: name.into(),
         slides,
+        toothed: true,
+    };
+    let motor = GearSubject {
+        toothed: false,
+        ..gear("motor", None)
     };
     Subjects {
-        gears: vec![gear("pinion", None), gear("wheel", rack)],
+        gears: vec![gear("pinion", None), gear("wheel", rack), motor],
+        spans: vec![["motor", "pinion"].map(Into::into)],
         meshes: vec![MeshSubject {
             gears: ["pinion", "wheel"].map(Into::into),
             base_helix,
@@ -332,4 +338,19 @@ fn a_moving_average_fits_into_its_table() {
     };
     let e = spur("time [s];force [N]\n0;1\n1;2\n2;3\n", &request).unwrap_err();
     assert!(e.expected.contains("at most 2e0 s"), "{e}");
+}
+
+/// Bodies have speeds and angles by name but no number and no contact torque; torques of shafts have both names.
+#[test]
+fn bodies_and_shafts_have_columns() {
+    let text = "time_s,speed_motor [1/min],shaft_torque_motor_pinion_nm,torque_motor_nm,omega3_rad_s\n\
+                0,30,1,5,7\n1,60,2,5,7\n2,90,3,5,7\n";
+    let found = read(text, &Request::default(), &subjects(0.0, None)).unwrap();
+    let speed = found.channel(Quantity::Speed(2)).unwrap();
+    assert!((speed.value[1] - std::f64::consts::TAU).abs() < 1e-12);
+    assert_eq!(
+        found.channel(Quantity::ShaftTorque(0)).unwrap().value,
+        [1.0, 2.0, 3.0]
+    );
+    assert_eq!(found.channels.len(), 2);
 }

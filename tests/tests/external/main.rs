@@ -12,10 +12,10 @@ use gearbench::experiment::runner::Runner;
 use gearbench::scene_file;
 use gearbench::scene_file::calibration::Constants;
 use gearbench::studies::compare::{Plan, compare};
-use gearbench::studies::identify::{DataSet, FitOptions, FitPlan, apply, identify};
-use gearbench_integrators::Resolution;
+use gearbench::studies::identify::{DataSet, FitPlan, apply, identify};
 use gearbench_integrators::table::DOPRI5;
 use gearbench_models::gear::table::MODELS;
+use gearbench_models::scene::{Channel, OfMesh};
 use gearbench_reference::{ExternalReference, reference};
 use gearbench_reports::record::Metrics;
 
@@ -148,17 +148,13 @@ fn identification_finds_the_stored_rigid_calibration_again() {
     let history = &external.history;
     let spec = scene.spec_for(choice);
     let plan = FitPlan {
-        label: choice.label.clone(),
-        modelling: choice.modelling.clone(),
-        context: scene.context.clone(),
         data: vec![DataSet::history(
             name,
             &spec,
             &history.time,
             &history.contact_force,
         )],
-        held_out: Vec::new(),
-        wishes: FitOptions::default(),
+        ..FitPlan::new(&choice.label, &choice.modelling, &scene.context)
     };
     let found = identify(&plan, &Runner::default(), |_, _| {}).unwrap();
     let calibrated =
@@ -195,14 +191,12 @@ fn identification_finds_the_stored_rigid_calibration_again() {
             &mut modelling,
         );
         let mut built = gearbench_models::scene::Scene::build(&spec, &modelling, MODELS).unwrap();
-        let mut dopri5 = gearbench_integrators::table::DOPRI5.build();
-        let force = gearbench::experiment::run::force_on_grid(
+        let force = gearbench::experiment::run::history_on_grid(
             &Context::default(),
             &mut built,
-            dopri5.as_mut(),
-            Resolution::Tolerance(1e-8),
+            &DOPRI5.at_tolerance(1e-8),
             u64::MAX,
-            &external.history.time,
+            (&external.history.time, Channel::Mesh(0, OfMesh::Force)),
         )
         .unwrap();
         force

@@ -25,7 +25,7 @@ fn run_with(entry: &Configuration, text: &str, step: f64, t_end: f64) -> Run {
         grid: &grid,
         also_steps: false,
         forces: false,
-        torques: false,
+        measurable: false,
         paths: false,
         histories: false,
         pictures: None,

@@ -1,28 +1,31 @@
 //! `gearbench identify SCENE`: constants fitted to the scene's references, reported and, on request, written.
 
 use super::arguments::{Identify, WriteTarget};
-use super::parameters::{FitOptions, has_key};
+use super::parameters::{FitOptions, has_key, path_of};
 use super::scene_update::{FittedConstants, write_scene};
 use super::summary::summarise;
 use super::write::{errors_and_intervals, write};
 use super::{
-    DataSet, FitPlan, Identification, IdentifyError, StaticTarget, histories as histories_of_fit,
-    identify,
+    Data, DataSet, FitPlan, Identification, IdentifyError, StaticTarget, default_method,
+    histories as histories_of_fit, identify,
 };
 use crate::cli::command_result::CommandResult;
 use crate::cli::exit::Exit;
 use crate::cli::progress::Display;
 use crate::cli::study_folder::StudyFolder;
-use crate::cli::terminal::{Refusal, absolute, refuse_study};
+use crate::cli::terminal::{Refusal, absolute, integrators_of, refuse_study};
 use crate::context::Context;
 use crate::experiment::conditions::{Conditions, silent};
 use crate::experiment::configuration::Configuration;
 use crate::experiment::error::StudyError;
+use crate::experiment::reference_series::channel_of;
 use crate::experiment::runner::WorkError;
 use crate::experiment::settings::settings;
-use crate::scene_file::references::LoadedReference;
+use crate::scene_file::references::{LoadedReference, subjects};
 use crate::scene_file::{self, ModelChoice, SceneFile, Selection, did_you_mean};
+use gearbench_integrators::Scheme;
 use gearbench_models::spec::{SceneSpec, mesh_layout};
+use gearbench_reference::data::{Channel, Quantity};
 use gearbench_reports::Study;
 use gearbench_reports::identify::IdentifyRecord;
 use gearbench_reports::record::{Part, Run};
@@ -46,10 +49,29 @@ pub fn run(context: &Context, args: &Identify, command: &str) -> Result<CommandR
         true => Some(statics_of(&scene, args)?),
         false => None,
     };
+    let method = match integrators_of(&scene, args.integrator.as_deref())?.as_deref() {
+        None => default_method(),
+        Some([one]) => *one,
+        Some(several) => {
+            return Err(Refusal::Input(miette::miette!(
+                help = "give one method, for example --integrator dopri5@1e-8",
+                "a fit has one integrator, but {} are given",
+                several.len()
+            )));
+        }
+    };
     let choices = scene.select(args.model.as_deref())?;
+    if let (Some(WriteTarget::Calibration), Some(key)) = (args.write, keys_of_scene(args).next()) {
+        return Err(Refusal::Input(miette::miette!(
+            help = "write it with --write=scene",
+            "`{key}` is a key of the scene, and a calibration has constants of models alone"
+        )));
+    }
+    let alone = args.fit.is_some() && keys_of_scene(args).count() > 0;
     let fitted: Vec<&ModelChoice> = (choices.into_iter())
         .filter(|c| {
-            args.model.is_some() || (scene.properties_of(&c.model).fit.is_some() && calibrated(c))
+            let has_recipe = scene.properties_of(&c.model).fit.is_some();
+            args.model.is_some() || alone || (has_recipe && calibrated(c))
         })
         .collect();
     if fitted.is_empty() {
@@ -72,7 +94,13 @@ pub fn run(context: &Context, args: &Identify, command: &str) -> Result<CommandR
     let mut names = String::new();
     let held = held_by_model(&scene, &fitted, args);
     for (choice, held) in fitted.iter().zip(held) {
-        let plan = plan(&scene, choice, (&references, &statics), (args, held));
+        let plan = plan(
+            &scene,
+            choice,
+            (&references, &statics),
+            (args, held),
+            method,
+        );
         let all: Vec<&str> = plan.data.iter().map(|d| d.name.as_str()).collect();
         names = all.join(" and ");
         let display = Display::new(0);
@@ -181,6 +209,10 @@ fn into_scene<'a>(
         FittedConstants {
             choice,
             constants: older.map_or(constants.clone(), |older| constants.merged_with(older)),
+            keys: (found.keys.iter())
+                .filter(|(_, _, known)| *known || args.output.force)
+                .map(|(key, x, _)| (key.clone(), *x))
+                .collect(),
             told: vec![
                 format!("written by {command}"),
                 format!(
@@ -247,6 +279,12 @@ fn held_by_model(
     held
 }
 
+/// Keys of the scene among the parameters of the fit.
+fn keys_of_scene(args: &Identify) -> impl Iterator<Item = &String> {
+    let all = args.fit.iter().flatten();
+    all.filter(|key| path_of(key).is_some())
+}
+
 fn calibrated(choice: &ModelChoice) -> bool {
     (choice.calibration.as_ref()).is_some_and(|c| c.label == choice.label)
 }
@@ -256,29 +294,58 @@ fn name_of(held: &LoadedReference) -> &str {
     held.named.stored().unwrap_or(&held.named.name)
 }
 
+/// Returns the histories of a reference that are fitted: its contact force, else all others that runs have.
+fn channels_of(reference: &LoadedReference) -> Vec<&Channel> {
+    match reference.data.channel(Quantity::Force(0)) {
+        Some(force) => vec![force],
+        None => {
+            let all = reference.data.channels.iter();
+            all.filter(|c| channel_of(c.quantity).is_some()).collect()
+        }
+    }
+}
+
 /// Returns the plan of the fit of a model: data to fit, and data with which the fitted model is compared.
 fn plan(
     scene: &SceneFile,
     choice: &ModelChoice,
     (references, statics): (&[LoadedReference], &Option<(String, StaticTarget)>),
     (args, held): (&Identify, Vec<(String, f64)>),
+    method: Scheme,
 ) -> FitPlan {
     let spec: SceneSpec = scene.spec_for(choice);
     let gap = |scene: &SceneFile| scene.spec.meshes.first().map_or(0.0, |m| m.start.gap);
-    let of_reference = |reference: &&LoadedReference| {
-        let (time, force) = reference.data.force()?;
+    let of_channel = |reference: &LoadedReference, channel: &Channel, several: bool| {
         let own = &reference.scene;
         // Beyond the duration of the scene the reference may lack effects that the scene has, such as contact of the
         // other flanks.
-        let n = time.partition_point(|&t| t <= own.duration);
+        let n = channel.time.partition_point(|&t| t <= own.duration);
         let name = name_of(reference);
         let weight = args.weight.iter().find(|(of, _)| of == name);
-        Some(DataSet {
+        let full_name = match several {
+            true => format!("{name}, {}", subjects(&own.spec).told(channel.quantity)),
+            false => name.to_owned(),
+        };
+        let data = Data::History {
+            quantity: channel.quantity,
+            time: channel.time[..n].to_vec(),
+            values: channel.value[..n].to_vec(),
+        };
+        DataSet {
             further_gap: gap(own) - gap(scene),
             weight: weight.map_or(1.0, |w| w.1),
             peak_weight: args.peak_weight,
-            ..DataSet::history(name, &own.spec_for(choice), &time[..n], &force[..n])
-        })
+            conditions: reference.named.conditions.clone(),
+            ..DataSet::of(&full_name, &own.spec_for(choice), data)
+        }
+    };
+    let of_reference = |reference: &&LoadedReference| -> Vec<DataSet> {
+        let channels = channels_of(reference);
+        let several = channels.len() > 1;
+        let channels = channels.into_iter();
+        channels
+            .map(|channel| of_channel(reference, channel, several))
+            .collect()
     };
     let (held_out, fitted): (Vec<&LoadedReference>, Vec<&LoadedReference>) =
         references.iter().partition(|r| r.is_held_out());
@@ -294,10 +361,12 @@ fn plan(
         label: choice.label.clone(),
         modelling: choice.modelling.clone(),
         context: scene.context.clone(),
-        data: (fitted.iter().filter_map(of_reference))
+        data: (fitted.iter().flat_map(of_reference))
             .chain(statics)
             .collect(),
-        held_out: held_out.iter().filter_map(of_reference).collect(),
+        held_out: held_out.iter().flat_map(of_reference).collect(),
+        method,
+        scene: Some(scene.clone()),
         wishes: FitOptions {
             fit: args.fit.clone(),
             held,
@@ -323,7 +392,7 @@ fn histories_of(scene: &mut SceneFile, args: &Identify) -> Result<Vec<LoadedRefe
     let known = scene.odd.len();
     let mut references = scene.load_references(args.insist.any_reference)?;
     (scene.odd[known..].iter()).for_each(|odd| scene.context.messages.warn(&odd.to_text()));
-    references.retain(|held| held.data.force().is_some());
+    references.retain(|held| !channels_of(held).is_empty());
     let fitted = || references.iter().filter(|held| !held.is_held_out());
     let names: Vec<&str> = fitted().map(name_of).collect();
     if let Some((other, _)) = (args.weight.iter()).find(|(of, _)| !names.contains(&of.as_str())) {

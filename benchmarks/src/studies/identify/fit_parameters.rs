@@ -3,6 +3,7 @@
 use super::estimate::coordinates::{Coordinate, values};
 use super::parameters::Parameter;
 use crate::scene_file::calibration::{CURVATURE, Constants, SLOPE};
+use crate::scene_file::changes::KeyPath;
 use std::f64::consts::PI;
 
 /// Ratio by which further starting points differ from the model's, either way.
@@ -56,8 +57,18 @@ impl FitParameters {
         let named = self.parameters.iter().zip(values);
         Constants::of(named.filter_map(|(p, &x)| match p {
             Parameter::Constant(key) => Some((key.as_str(), x)),
-            Parameter::Clock(_) => None,
+            Parameter::Key(_) | Parameter::Clock(_) => None,
         }))
+    }
+
+    /// Returns parameter values that are keys of the scene.
+    pub fn keys(&self, values: &[f64]) -> Vec<(KeyPath, f64)> {
+        let named = self.parameters.iter().zip(values);
+        let of = |(p, x): (&Parameter, &f64)| match p {
+            Parameter::Key(path) => Some((path.clone(), *x)),
+            Parameter::Constant(_) | Parameter::Clock(_) => None,
+        };
+        named.filter_map(of).collect()
     }
 
     /// Returns the constants from which a fit starts.

@@ -12,7 +12,8 @@
 //!
 //! Residuals are the differences of the contact force on the data's own times over the size of the data, so that the fit
 //! minimises the relative L2 error that reports show, and of the static compliance over a mesh cycle likewise. Several
-//! data sets are fitted at once, each under its own speeds and loads. By default are fitted:
+//! data sets are fitted at once, each under its own speeds and loads. A reference without a contact force is fitted by
+//! all of its speeds, angles and torques, each a data set of its own. By default are fitted:
 //!
 //! | model | parameters |
 //! |---|---|
@@ -20,7 +21,8 @@
 //! | `movable-teeth` | stiffness of a tooth pair per width, tooth stiffness, tooth mass, gap |
 //!
 //! On request also dampers, the course of the stiffness along the path of contact as a parabola, and constants of single
-//! gears in the place of what all have (`pinion.tooth_mass_kg`), see `parameters`.
+//! gears in the place of what all have (`pinion.tooth_mass_kg`), and numbers of the scene by their path, see
+//! `parameters`.
 //!
 //! The gap is the touch time: a faceted finite-element flank touches later than the exact involute. Where the clock of
 //! data is not that of the scene its offset can be fitted in the place of the gap.
@@ -49,5 +51,7 @@ mod write;
 
 pub use fit_parameters::FitParameters;
 pub use parameters::{CLOCK, FitOptions, Parameter};
-pub use plan::{Data, DataSet, FitPlan, Identification, IdentifyError, StaticTarget, apply};
+pub use plan::{
+    Data, DataSet, FitPlan, Identification, IdentifyError, StaticTarget, apply, default_method,
+};
 pub use run::{histories, identify, modelled};

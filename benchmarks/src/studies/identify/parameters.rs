@@ -7,13 +7,17 @@
 //! | `gap_m` | gap at the start, which is the touch time of an impact | linear, at least 0 |
 //! | `path_slope`, `path_curvature` | contact: course of that stiffness along the path of contact | linear |
 //! | `clock_s` | offset of the clock of a history, one per history, never written | linear |
+//! | path of a key of the scene, as `shafts.*.damping_s` | number at every place that it names | logarithm; linear where bounds are given and the value is not positive |
 //! | any positive parameter of the gear model | gears that take the model | logarithm; dampers linear |
 //! | `GEAR.` and such a parameter | that gear alone | likewise |
 
 use super::estimate::coordinates::{Coordinate, Scale};
 use super::fit_parameters::FitParameters;
 use super::plan::{Data, DataSet, IdentifyError};
+use crate::scene_file::SceneFile;
 use crate::scene_file::calibration::{CURVATURE, DAMPING, GAP, SLOPE, STIFFNESS, of_gear};
+use crate::scene_file::changes::{KeyPath, numbers_at};
+use gearbench_models::gear::properties::{Fit, Start};
 use gearbench_models::gear::table::{Model, properties_of};
 use gearbench_models::spec::{FlankContact, Modelling, SceneSpec, Value};
 use gearbench_models::stiffness::PairStiffness;
@@ -38,6 +42,8 @@ pub enum Parameter {
     Constant(String),
     /// The offset of the clock of a data set.
     Clock(usize),
+    /// A number of the scene file, at every place that a path names.
+    Key(KeyPath),
 }
 
 /// User options of a fit that replace the defaults.
@@ -61,6 +67,7 @@ impl Parameter {
     /// Returns the key of the parameter; the key of a clock contains the name of the data.
     pub fn key(&self, data: &[DataSet]) -> String {
         match self {
+            Parameter::Key(path) => path.to_string(),
             Parameter::Constant(key) => key.clone(),
             Parameter::Clock(i) if data.len() == 1 && *i == 0 => CLOCK.into(),
             Parameter::Clock(i) => {
@@ -78,6 +85,10 @@ impl Parameter {
                 "clock offset of {}",
                 data.get(*i).map_or("", |d| d.name.as_str())
             ),
+            Parameter::Key(path) => match path.names() {
+                [of @ .., key] => format!("{} of {}", words(key).0, of.join(" ")),
+                [] => String::new(),
+            },
             Parameter::Constant(key) => match key.as_str() {
                 STIFFNESS => "contact stiffness".into(),
                 DAMPING => "contact damping".into(),
@@ -96,6 +107,7 @@ impl Parameter {
     pub fn unit(&self) -> String {
         match self {
             Parameter::Clock(_) => "s".into(),
+            Parameter::Key(path) => path.names().last().map_or("", |key| words(key).1).into(),
             Parameter::Constant(key) => words(key).1.into(),
         }
     }
@@ -108,7 +120,11 @@ impl Parameter {
 
 /// A key in words, and the unit at its end.
 fn words(key: &str) -> (String, &'static str) {
-    const UNITS: [(&str, &str); 8] = [
+    const UNITS: [(&str, &str); 12] = [
+        ("_nm_per_rad", "N\u{b7}m/rad"),
+        ("_nms_per_rad", "N\u{b7}m\u{b7}s/rad"),
+        ("_nm", "N\u{b7}m"),
+        ("_rad", "rad"),
         ("_n_per_m2", "N/m\u{b2}"),
         ("_n_per_m", "N/m"),
         ("_ns_per_m", "N\u{b7}s/m"),
@@ -151,17 +167,70 @@ fn coordinate(key: &str, spec: &SceneSpec, duration: f64) -> Coordinate {
     Coordinate { scale, bounds }
 }
 
+/// Tables of a scene whose keys can be fitted.
+const TABLES: [&str; 6] = ["gears", "meshes", "shafts", "stages", "models", "damping"];
+
+/// Returns the path of a key of the scene; `None` for a constant of the model.
+pub fn path_of(key: &str) -> Option<KeyPath> {
+    let path = KeyPath::parse(key).ok()?;
+    let [first, _, ..] = path.names() else {
+        return None;
+    };
+    TABLES.contains(&first.as_str()).then_some(path)
+}
+
+/// Returns the coordinate and the starting value of a key of the scene.
+fn of_scene(
+    path: &KeyPath,
+    scene: Option<&SceneFile>,
+    start: Option<f64>,
+    bounds: Option<[f64; 2]>,
+) -> Result<(Coordinate, f64), IdentifyError> {
+    let text = scene.map_or("", SceneFile::text);
+    let document = text.parse::<toml_edit::DocumentMut>();
+    let document = document.map_err(|e| IdentifyError::Scene(e.to_string()))?;
+    let present = numbers_at(&document, path).map_err(IdentifyError::Scene)?;
+    let start = start.or(present.first().copied());
+    match (start, bounds) {
+        (Some(x), bounds) if x > 0.0 && bounds.is_none_or(|[low, _]| low >= 0.0) => {
+            let bounds = bounds.unwrap_or([0.0, f64::INFINITY]);
+            let scale = Scale::Logarithm;
+            Ok((Coordinate { scale, bounds }, x))
+        }
+        (start, Some(bounds)) if bounds.iter().all(|x| x.is_finite()) => {
+            let scale = Scale::Linear(0.1 * (bounds[1] - bounds[0]));
+            let middle = 0.5 * (bounds[0] + bounds[1]);
+            Ok((Coordinate { scale, bounds }, start.unwrap_or(middle)))
+        }
+        _ => Err(IdentifyError::NoStart(path.to_string())),
+    }
+}
+
+/// A model of which keys of the scene alone are fitted.
+const NOTHING: Fit = Fit {
+    parameters: &[],
+    starts: |contact, _| {
+        vec![Start {
+            contact,
+            parameters: Vec::new(),
+        }]
+    },
+};
+
 /// Selects the parameters of a fit, with their starting points and bounds.
 ///
 /// # Errors
 /// [`IdentifyError`] for a model without a recipe, a key that it has not, or a value that cannot be.
 pub fn choose(
     (spec, modelling, models): (&SceneSpec, &Modelling, &[Model]),
+    scene: Option<&SceneFile>,
     data: &[DataSet],
     wishes: &FitOptions,
 ) -> Result<FitParameters, IdentifyError> {
     let id = modelling.gears.first().map_or("", |g| g.id.as_str());
-    let recipe = properties_of(models, id).fit;
+    let of_scene_alone = (wishes.fit.as_ref())
+        .is_some_and(|keys| keys.iter().all(|k| k == CLOCK || path_of(k).is_some()));
+    let recipe = (properties_of(models, id).fit).or(of_scene_alone.then_some(NOTHING));
     let (Some(recipe), Some(model)) = (recipe, models.iter().find(|m| m.id == id)) else {
         let known = models.iter().filter(|m| m.properties.fit.is_some());
         return Err(IdentifyError::Model(
@@ -192,7 +261,7 @@ pub fn choose(
     let named = (named.into_iter().flatten().map(|(k, _)| k))
         .chain(wishes.bounds.iter().map(|(k, _)| k))
         .chain(&wanted);
-    for key in named {
+    for key in named.filter(|key| path_of(key).is_none()) {
         check(key, model, (spec, modelling, models))?;
     }
     let course = |key: &String| key == SLOPE || key == CURVATURE;
@@ -216,6 +285,17 @@ pub fn choose(
     for key in &wanted {
         let given = |list: &[(String, f64)]| list.iter().find(|(k, _)| k == key).map(|(_, x)| *x);
         let held = given(&wishes.held);
+        if let Some(path) = path_of(key) {
+            let bounds = wishes.bounds.iter().find(|(k, _)| k == key).map(|b| b.1);
+            let start = held.or(given(&wishes.starts));
+            let (coordinate, start) = of_scene(&path, scene, start, bounds)?;
+            chosen.parameters.push(Parameter::Key(path));
+            chosen.coordinates.push(coordinate);
+            chosen.free.push(held.is_none());
+            chosen.held.push(held);
+            columns.push(vec![start; count]);
+            continue;
+        }
         let duration = data.iter().map(DataSet::duration).fold(0.0, f64::max);
         let mut coordinate = coordinate(key, spec, duration.max(f64::MIN_POSITIVE));
         if let Some((_, bounds)) = wishes.bounds.iter().find(|(k, _)| k == key) {

@@ -7,10 +7,14 @@ use crate::experiment::error::ModelRefusal;
 use crate::experiment::journal::JournalError;
 use crate::experiment::key::Key;
 use crate::scene_file::calibration::Constants;
-use gearbench_integrators::StepError;
+use crate::scene_file::changes::{KeyPath, set_at};
+use crate::scene_file::{ReferenceConditions, SceneError, SceneFile};
+use gearbench_integrators::table::DOPRI5;
+use gearbench_integrators::{Scheme, StepError};
 use gearbench_models::error::BuildError;
 use gearbench_models::gear::table::Model;
 use gearbench_models::spec::{Modelling, SceneSpec};
+use gearbench_reference::data::Quantity;
 use gearbench_reference::statics::{Load, LoadedPair, MeshCycle, StaticsError};
 use gearbench_reports::identify::FitRecord;
 
@@ -29,54 +33,59 @@ pub struct DataSet {
     pub peak_weight: f64,
     /// Gap at the start of these data minus the fitted gap of the scene [m].
     pub further_gap: f64,
+    /// Conditions of the data that differ from those of the scene.
+    pub conditions: ReferenceConditions,
 }
 
 /// Values of a data set.
 #[derive(Clone, Debug)]
 pub enum Data {
-    /// The contact force over time.
+    /// A quantity over time.
     History {
+        /// The quantity: a contact force, a speed, an angle or a torque.
+        quantity: Quantity,
         /// Sample times [s], ascending.
         time: Vec<f64>,
-        /// Contact force at these times [N].
-        force: Vec<f64>,
+        /// Values at these times in SI units.
+        values: Vec<f64>,
     },
     /// A mesh cycle at rest.
     Statics(StaticTarget),
 }
 
 impl DataSet {
-    /// Creates a data set from a history of a scene.
+    /// Creates a data set from a history of the contact force of the first mesh of a scene.
     pub fn history(name: &str, spec: &SceneSpec, time: &[f64], force: &[f64]) -> Self {
+        let data = Data::History {
+            quantity: Quantity::Force(0),
+            time: time.to_vec(),
+            values: force.to_vec(),
+        };
+        Self::of(name, spec, data)
+    }
+
+    /// Creates a data set with a weight of one, under the conditions of the scene.
+    pub fn of(name: &str, spec: &SceneSpec, data: Data) -> Self {
         DataSet {
             name: name.into(),
             spec: spec.clone(),
-            data: Data::History {
-                time: time.to_vec(),
-                force: force.to_vec(),
-            },
+            data,
             weight: 1.0,
             peak_weight: 1.0,
             further_gap: 0.0,
+            conditions: ReferenceConditions::default(),
         }
     }
 
     /// Creates a data set from a static mesh cycle of a scene.
     pub fn statics(name: &str, spec: &SceneSpec, target: StaticTarget) -> Self {
-        DataSet {
-            name: name.into(),
-            spec: spec.clone(),
-            data: Data::Statics(target),
-            weight: 1.0,
-            peak_weight: 1.0,
-            further_gap: 0.0,
-        }
+        Self::of(name, spec, Data::Statics(target))
     }
 
     /// Returns the values that are compared with the model.
     pub fn values(&self) -> &[f64] {
         match &self.data {
-            Data::History { force, .. } => force,
+            Data::History { values, .. } => values,
             Data::Statics(target) => &target.compliance,
         }
     }
@@ -158,12 +167,94 @@ pub struct FitPlan {
     pub modelling: Modelling,
     /// The context of the scene.
     pub context: Context,
+    /// Method by which trials are integrated.
+    pub method: Scheme,
+    /// The scene file, where keys of it are fitted.
+    pub scene: Option<SceneFile>,
     /// Data sets to fit, at least one.
     pub data: Vec<DataSet>,
     /// Data that the fitted model is compared with.
     pub held_out: Vec<DataSet>,
     /// User options: parameters to fit, fixed values, starts and bounds.
     pub wishes: FitOptions,
+}
+
+/// Tolerance of the integration inside a fit: differences of two runs are to have three digits.
+const RTOL: f64 = 1e-8;
+
+/// Returns the method by which trials are integrated unless the user chooses another.
+pub fn default_method() -> Scheme {
+    DOPRI5.at_tolerance(RTOL)
+}
+
+impl FitPlan {
+    /// Creates a plan without data and options.
+    pub fn new(label: &str, modelling: &Modelling, context: &Context) -> Self {
+        FitPlan {
+            label: label.to_owned(),
+            modelling: modelling.clone(),
+            context: context.clone(),
+            method: default_method(),
+            scene: None,
+            data: Vec::new(),
+            held_out: Vec::new(),
+            wishes: FitOptions::default(),
+        }
+    }
+
+    /// Returns the scene with values of its keys.
+    ///
+    /// # Errors
+    /// [`IdentifyError::Scene`] where the scene with these values is not valid.
+    pub fn scene_with(&self, keys: &[(KeyPath, f64)]) -> Result<SceneFile, IdentifyError> {
+        let wrong = |why: String| IdentifyError::Scene(why);
+        let scene = self.scene.as_ref();
+        let scene = scene.ok_or_else(|| wrong("no scene file is known".into()))?;
+        let text = text_with(scene, keys).map_err(wrong)?;
+        let of_file = |e: SceneError| wrong(e.to_text());
+        let mut changed = scene.with_text(&text).map_err(of_file)?;
+        changed.damp_unbuilt(&[&self.label]).map_err(of_file)?;
+        Ok(changed)
+    }
+
+    /// Returns the plan without data, and a data set, with values of keys of the scene.
+    ///
+    /// # Errors
+    /// As [`FitPlan::scene_with`].
+    pub fn changed(
+        &self,
+        set: &DataSet,
+        keys: &[(KeyPath, f64)],
+    ) -> Result<(FitPlan, DataSet), IdentifyError> {
+        let scene = self.scene_with(keys)?;
+        let wrong = |why: String| IdentifyError::Scene(why);
+        let choice = scene.model(&self.label);
+        let choice = choice.ok_or_else(|| wrong(format!("there is no model `{}`", self.label)))?;
+        let own = scene.with(&set.conditions);
+        let own = own.map_err(|(key, why, _)| wrong(format!("`{key}`: {why}")))?;
+        let plan = FitPlan {
+            method: self.method,
+            ..FitPlan::new(&self.label, &choice.modelling, &self.context)
+        };
+        let set = DataSet {
+            spec: own.spec_for(choice),
+            ..set.clone()
+        };
+        Ok((plan, set))
+    }
+}
+
+/// Returns the text of a scene with values of its keys.
+///
+/// # Errors
+/// A sentence about a key that does not exist.
+pub fn text_with(scene: &SceneFile, keys: &[(KeyPath, f64)]) -> Result<String, String> {
+    let document = scene.text().parse::<toml_edit::DocumentMut>();
+    let mut document = document.map_err(|e| e.to_string())?;
+    for (key, x) in keys {
+        set_at(&mut document, key, &(*x).into())?;
+    }
+    Ok(document.to_string())
 }
 
 /// Result of an identification: record, constants and data.
@@ -173,6 +264,8 @@ pub struct Identification {
     pub record: FitRecord,
     /// Values of all parameters at the minimum, those that are not identifiable included.
     pub all: Constants,
+    /// Values of the keys of the scene at the minimum, with whether the data determine each.
+    pub keys: Vec<(KeyPath, f64, bool)>,
     /// Parameters of the fit with their starting points.
     pub chosen: FitParameters,
     /// Names of the data that were fitted, each with a key to its values.
@@ -186,7 +279,8 @@ impl Identification {
             (self.record.parameters.iter().zip(&self.chosen.parameters)).filter_map(|(p, of)| {
                 match of {
                     super::parameters::Parameter::Constant(key) => Some((key.as_str(), p.value?)),
-                    super::parameters::Parameter::Clock(_) => None,
+                    super::parameters::Parameter::Key(_)
+                    | super::parameters::Parameter::Clock(_) => None,
                 }
             });
         Constants::of(known)
@@ -236,8 +330,16 @@ pub enum IdentifyError {
     /// Finished pieces cannot be read or kept.
     #[error(transparent)]
     Journal(#[from] JournalError),
+    /// The scene is not valid with values of its keys.
+    #[error("{0}")]
+    Scene(String),
+    /// A key of the scene without a number to start from.
+    #[error(
+        "`{0}` has no value above zero in the scene to start from: give one with --start {0}=VALUE, or --bounds {0}=LOW:HIGH for a value of any sign"
+    )]
+    NoStart(String),
     /// The data have no force.
-    #[error("{0} has no contact force to fit to")]
+    #[error("{0} has no values to fit to")]
     NoForce(String),
     /// The run of a trial does not reach the end of the data.
     #[error("the run ends before {0}")]
@@ -252,6 +354,7 @@ impl ModelRefusal for IdentifyError {
         match self {
             IdentifyError::Build(e) => e.refusal(),
             IdentifyError::Statics(_)
+            | IdentifyError::Scene(_)
             | IdentifyError::Step(_)
             | IdentifyError::Short(_)
             | IdentifyError::Failed(_) => Some(self.to_string()),
@@ -264,13 +367,16 @@ impl ModelRefusal for IdentifyError {
 impl IdentifyError {
     /// True if the user asked for a parameter or value that the model does not have.
     pub fn is_of_wishes(&self) -> bool {
-        use IdentifyError::{Course, Gear, Key, KeyOfGear, Model, NoPath, NothingOfGears, Value};
+        use IdentifyError::{
+            Course, Gear, Key, KeyOfGear, Model, NoPath, NoStart, NothingOfGears, Value,
+        };
         matches!(
             self,
             Model(..)
                 | Key(..)
                 | Value(..)
                 | NoPath(..)
+                | NoStart(..)
                 | Course(..)
                 | NothingOfGears(..)
                 | Gear(..)

@@ -5,25 +5,25 @@ use super::explanation::undetermined;
 use super::fit_parameters::FitParameters;
 use super::parameters::choose;
 use super::plan::{
-    Data, DataSet, FitPlan, Identification, IdentifyError, StaticTarget, apply, size,
+    Data, DataSet, FitPlan, Identification, IdentifyError, StaticTarget, apply, default_method,
+    size,
 };
 use crate::experiment::conditions::Conditions;
 use crate::experiment::decimation::decimate;
 use crate::experiment::key::Key;
-use crate::experiment::run::{Job, RunError, force_on_grid, run};
+use crate::experiment::reference_series::channel_of;
+use crate::experiment::run::{Job, RunError, history_on_grid, run};
 use crate::experiment::runner::Runner;
 use crate::scene_file::calibration::Constants;
+use crate::scene_file::changes::KeyPath;
 use crate::scene_file::{ModelChoice, SceneFile};
 use crate::small_signals::assemble;
-use gearbench_integrators::Resolution;
-use gearbench_integrators::table::DOPRI5;
+use gearbench_reference::data::Quantity;
 use gearbench_reports::identify::{
     ConstantSet, DataKind, DataRecord, FitHistory, FitRecord, Outcome, ParameterRecord,
     ProfileRecord,
 };
 
-/// Tolerance of the integration inside the fit: differences of two runs are to have three digits.
-const RTOL: f64 = 1e-8;
 /// Steps after which a trial is given up: parameters that need more are far from any tooth.
 const MAX_STEPS: u64 = 50_000;
 /// Sums of squares this close are one minimum.
@@ -46,23 +46,27 @@ pub fn modelled(
         (spec.meshes.iter_mut()).for_each(|m| m.start.gap += set.further_gap);
     }
     match &set.data {
-        Data::History { time, .. } => {
+        Data::History { quantity, time, .. } => {
             let shifted: Vec<f64> = time.iter().map(|t| t + clock).collect();
-            // Before its start a scene has no force.
+            // Before its start a scene is at rest there, without force.
             let before = shifted.partition_point(|t| *t < 0.0);
             let mut scene = assemble(&spec, &modelling, &plan.context.models)?;
-            let mut dopri5 = DOPRI5.build();
-            let (tolerance, grid) = (Resolution::Tolerance(RTOL), &shifted[before..]);
-            let found = force_on_grid(
+            let grid = &shifted[before..];
+            let no_channel = || IdentifyError::NoForce(set.name.clone());
+            let channel = channel_of(*quantity).ok_or_else(no_channel)?;
+            let found = history_on_grid(
                 &plan.context,
                 &mut scene,
-                dopri5.as_mut(),
-                tolerance,
+                &plan.method,
                 MAX_STEPS,
-                grid,
+                (grid, channel),
             )?;
+            let first = match quantity {
+                Quantity::Force(_) => 0.0,
+                _ => found.first().copied().unwrap_or(0.0),
+            };
             match found.len() == grid.len() {
-                true => Ok([vec![0.0; before], found].concat()),
+                true => Ok([vec![first; before], found].concat()),
                 false => Err(IdentifyError::Short(set.name.clone())),
             }
         }
@@ -98,17 +102,17 @@ pub fn identify(
         return Err(IdentifyError::Failed("there are no data".into()));
     };
     let scene = (&first.spec, &plan.modelling, &*plan.context.models);
-    let chosen = choose(scene, &plan.data, &plan.wishes)?;
+    let chosen = choose(scene, plan.scene.as_ref(), &plan.data, &plan.wishes)?;
     let factors: Vec<Vec<f64>> = plan.data.iter().map(DataSet::factors).collect();
     let mut count = 0;
     let mut why = String::new();
     let mut residuals = |z: &[f64]| -> Option<Vec<f64>> {
         let values = super::estimate::coordinates::values(&chosen.coordinates, z);
-        let constants = chosen.constants(&values);
+        let (constants, keys) = (chosen.constants(&values), chosen.keys(&values));
         let mut all = Vec::new();
         for (i, set) in plan.data.iter().enumerate() {
             let clock = chosen.clock(&values, i);
-            let found = trial(plan, set, &constants, clock, runner);
+            let found = trial(plan, set, (&constants, &keys), clock, runner);
             match found {
                 Ok(found) => {
                     let pairs = found.iter().zip(set.values()).zip(&factors[i]);
@@ -138,11 +142,11 @@ pub fn identify(
     let values: Vec<f64> = (found.values.iter().zip(&chosen.held))
         .map(|(value, held)| held.unwrap_or(value.0))
         .collect();
-    let all = chosen.constants(&values);
+    let (all, keys) = (chosen.constants(&values), chosen.keys(&values));
     let mut data = Vec::new();
     let clock = |i: usize| chosen.clock(&values, i);
     for (i, set) in plan.data.iter().enumerate() {
-        let model = trial(plan, set, &all, clock(i), runner)?;
+        let model = trial(plan, set, (&all, &keys), clock(i), runner)?;
         let noise = found.known.noise.get(i).and_then(|n| n.as_ref());
         data.push(DataRecord {
             correlation_lag1: noise.map(|n| n.correlation(1)),
@@ -151,11 +155,20 @@ pub fn identify(
         });
     }
     for set in &plan.held_out {
-        let model = trial(plan, set, &all, 0.0, runner)?;
+        let model = trial(plan, set, (&all, &keys), 0.0, runner)?;
         data.push(against(set, model, true));
     }
+    let record = record(plan, &chosen, &found, data);
+    let known = |key: &KeyPath| {
+        let key = key.to_string();
+        (record.parameters.iter()).any(|p| p.key == key && p.value.is_some())
+    };
     Ok(Identification {
-        record: record(plan, &chosen, &found, data),
+        keys: keys
+            .into_iter()
+            .map(|(key, x)| (key.clone(), x, known(&key)))
+            .collect(),
+        record,
         all,
         chosen,
         data: (plan.data.iter())
@@ -168,24 +181,45 @@ pub fn identify(
 fn trial(
     plan: &FitPlan,
     set: &DataSet,
-    constants: &Constants,
+    (constants, keys): (&Constants, &[(KeyPath, f64)]),
     clock: f64,
     runner: &Runner<'_>,
 ) -> Result<Vec<f64>, IdentifyError> {
-    let places = match &set.data {
-        Data::History { time, .. } => (time.as_slice(), 0.0),
-        Data::Statics(target) => (&[][..], target.force),
+    let changed = match keys {
+        [] => None,
+        keys => Some(plan.changed(set, keys)?),
+    };
+    let (plan, set) = changed
+        .as_ref()
+        .map_or((plan, set), |(plan, set)| (plan, set));
+    let (time, force, quantity) = match &set.data {
+        Data::History { time, quantity, .. } => (time.as_slice(), 0.0, Some(*quantity)),
+        Data::Statics(target) => (&[][..], target.force, None),
     };
     let key = Key::new("trial of a fit")
         .and_scene(&set.spec, &plan.modelling)
         .and(&(
             constants,
             clock,
-            places,
+            (time, force),
             set.values().len(),
             set.further_gap,
+            quantity,
+            plan.method,
         ));
     runner.piece(key, || modelled(plan, set, constants, clock))
+}
+
+/// Returns the kind of a quantity in records.
+fn kind_of(quantity: Quantity) -> DataKind {
+    match quantity {
+        Quantity::Force(_) | Quantity::TransmissionError(_) => DataKind::Force,
+        Quantity::Speed(_) => DataKind::Speed,
+        Quantity::Angle(_) => DataKind::Angle,
+        Quantity::Torque(_) | Quantity::MountTorque(_) | Quantity::ShaftTorque(_) => {
+            DataKind::Torque
+        }
+    }
 }
 
 /// Compares the model with data: errors of the history, of its peak and its impulse.
@@ -193,7 +227,10 @@ fn against(set: &DataSet, model: Vec<f64>, validation: bool) -> DataRecord {
     let data = set.values();
     let off: Vec<f64> = model.iter().zip(data).map(|(a, b)| a - b).collect();
     let (kind, abscissa, of_force) = match &set.data {
-        Data::History { time, .. } => (DataKind::Force, time.clone(), true),
+        Data::History { time, quantity, .. } => {
+            let kind = kind_of(*quantity);
+            (kind, time.clone(), kind == DataKind::Force)
+        }
         Data::Statics(_) => {
             let n = data.len().max(1) as f64;
             let places = (0..data.len()).map(|i| i as f64 / n).collect();
@@ -243,7 +280,7 @@ pub fn histories(
         repeats: 0,
         ..Conditions::of(scene)
     };
-    let (method, grid) = (DOPRI5.at_tolerance(RTOL), conditions.grid());
+    let (method, grid) = (default_method(), conditions.grid());
     let sets = [
         (ConstantSet::Initial, found.chosen.initial()),
         (ConstantSet::Identified, Some(found.all.clone())),

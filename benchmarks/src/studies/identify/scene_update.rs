@@ -12,11 +12,11 @@
 //! Where they come from stands in comments above the entry, each line behind a tag, so that a later fit replaces them. What
 //! was written is read again before it takes the place of the file: it has to give the very model that was fitted.
 
-use super::plan::apply;
+use super::plan::{apply, text_with};
 use crate::cli::files::write_whole;
 use crate::cli::terminal::Refusal;
 use crate::scene_file::calibration::{Constants, of_gear};
-use crate::scene_file::changes::{inner, set};
+use crate::scene_file::changes::{KeyPath, inner, set};
 use crate::scene_file::format::{DampingTable, StiffnessTable, number, to_value};
 use crate::scene_file::{ModelChoice, Origin, SceneFile};
 use gearbench_models::law::Damping;
@@ -36,6 +36,8 @@ pub struct FittedConstants<'a> {
     pub choice: &'a ModelChoice,
     /// All constants that the model gets.
     pub constants: Constants,
+    /// Values of keys of the scene.
+    pub keys: Vec<(KeyPath, f64)>,
     /// Lines of the comment above the entry.
     pub told: Vec<String>,
 }
@@ -75,9 +77,15 @@ fn written(scene: &SceneFile, all: &[FittedConstants<'_>]) -> Result<String, Ref
             "the constants of `{label}` cannot be written into the scene: its entry has an unexpected form"
         ))
     };
+    let keys: Vec<_> = all.iter().flat_map(|w| w.keys.clone()).collect();
+    let text = text_with(scene, &keys).map_err(Refusal::Files)?;
+    let with_keys = scene.with_text(&text).map_err(Refusal::from)?;
+    let scene = &with_keys;
     let mut document: DocumentMut =
-        (scene.text().parse()).map_err(|e: toml_edit::TomlError| Refusal::Files(e.to_string()))?;
-    for w in all {
+        (text.parse()).map_err(|e: toml_edit::TomlError| Refusal::Files(e.to_string()))?;
+    // A model of which keys of the scene alone were fitted keeps its entry.
+    let all = || all.iter().filter(|w| w.constants != Constants::default());
+    for w in all() {
         write_constants(&mut document, scene, w).ok_or_else(|| unseen(&w.choice.label))?;
     }
     let text = document.to_string();
@@ -95,7 +103,7 @@ fn written(scene: &SceneFile, all: &[FittedConstants<'_>]) -> Result<String, Ref
             e.to_text()
         ))
     })?;
-    for w in all {
+    for w in all() {
         let found = read.model(&w.choice.label);
         let found = found.map(|c| format!("{:?}{:?}", read.spec_for(c), c.modelling));
         if found != Some(fitted(scene, w)) {

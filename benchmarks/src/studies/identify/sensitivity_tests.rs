@@ -58,7 +58,12 @@ fn differences_are_as_good_as_exact_sensitivities() {
     };
     let truth = Constants::of([(STIFFNESS, K), (GAP, G)]);
     let set = made(&plan, impact(&spec, 20.0, "impact"), &truth, 0.0);
-    let Data::History { time, force } = &set.data else {
+    let Data::History {
+        time,
+        values: force,
+        ..
+    } = &set.data
+    else {
         panic!("a history");
     };
     let most = force.iter().copied().fold(0.0, f64::max);

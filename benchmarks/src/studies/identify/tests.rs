@@ -28,14 +28,7 @@ pub(super) fn plan(label: &str) -> (FitPlan, gearbench_models::spec::SceneSpec) 
     )
     .unwrap();
     let choice = scene.model(label).unwrap();
-    let plan = FitPlan {
-        label: label.into(),
-        modelling: choice.modelling.clone(),
-        context: scene.context.clone(),
-        data: Vec::new(),
-        held_out: Vec::new(),
-        wishes: FitOptions::default(),
-    };
+    let plan = FitPlan::new(label, &choice.modelling, &scene.context);
     (plan, scene.spec_for(choice))
 }
 
@@ -48,7 +41,7 @@ pub(super) fn made(plan: &FitPlan, mut set: DataSet, truth: &Constants, noise: f
         .map(|x| x + noise * rms * random.normal())
         .collect();
     match &mut set.data {
-        Data::History { force, .. } => *force = values,
+        Data::History { values: own, .. } => *own = values,
         Data::Statics(target) => target.compliance = values,
     }
     set

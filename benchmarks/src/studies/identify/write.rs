@@ -40,7 +40,7 @@ pub fn write(
             for (key, x) in old.map(|old| old.parameters).unwrap_or_default() {
                 constants.parameters.entry(key).or_insert(x);
             }
-            let fitted = |d: &&DataRecord| !d.validation && d.kind == DataKind::Force;
+            let fitted = |d: &&DataRecord| !d.validation && d.kind != DataKind::Compliance;
             let histories = f.record.data.iter().filter(fitted);
             constants.fitted_to = histories.map(|d| d.name.clone()).collect();
             (&f.record, constants)

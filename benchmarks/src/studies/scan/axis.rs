@@ -9,6 +9,7 @@
 //! ```
 
 use crate::experiment::conditions::logarithmic;
+use crate::scene_file::changes::KeyPath;
 use crate::scene_file::format::number;
 use statrs::distribution::{ContinuousCDF, Normal, Triangular};
 use std::fmt;
@@ -57,48 +58,6 @@ pub enum Distribution {
     Triangular(f64, f64, f64),
     /// Whole numbers between two, both included.
     Integers(i64, i64),
-}
-
-/// Path of a key in a scene file: names between dots, or in quotes where a name contains a dot; entries of a list by
-/// their label, name or number from 1; `*` for all entries.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct KeyPath(Vec<String>);
-
-impl KeyPath {
-    fn parse(text: &str) -> Result<Self, String> {
-        let mut names = vec![String::new()];
-        let mut quoted = false;
-        for c in text.trim().chars() {
-            match c {
-                '"' => quoted = !quoted,
-                '.' if !quoted => names.push(String::new()),
-                c => names.last_mut().into_iter().for_each(|n| n.push(c)),
-            }
-        }
-        if quoted || names.iter().any(String::is_empty) {
-            let expected = "expected names between dots, such as gears.pinion.speed_rad_s";
-            return Err(format!("`{}` is no key: {expected}", text.trim()));
-        }
-        Ok(KeyPath(names))
-    }
-
-    /// The names of the path.
-    pub fn names(&self) -> &[String] {
-        &self.0
-    }
-}
-
-impl fmt::Display for KeyPath {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        for (i, name) in self.0.iter().enumerate() {
-            f.write_str(if i > 0 { "." } else { "" })?;
-            match name.contains('.') {
-                true => write!(f, "\"{name}\"")?,
-                false => f.write_str(name)?,
-            }
-        }
-        Ok(())
-    }
 }
 
 impl fmt::Display for Axis {

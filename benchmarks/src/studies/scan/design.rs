@@ -17,7 +17,8 @@
 //! axis fastest. All combinations have the same samples, so that their differences are not those of the samples; and
 //! the first cells of a scan are a scan with fewer samples.
 
-use super::axis::{Axis, AxisValues, KeyPath, text};
+use super::axis::{Axis, AxisValues, text};
+use crate::scene_file::changes::KeyPath;
 use gearbench_reference::hash::spread;
 use gearbench_reports::scan::Sampling;
 use toml_edit::Value;

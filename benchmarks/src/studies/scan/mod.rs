@@ -12,7 +12,6 @@ mod parquet;
 mod plan;
 mod results;
 mod run;
-mod scene_change;
 mod statistics;
 mod summary;
 mod table;

@@ -3,9 +3,9 @@
 use super::axis::{Axis, AxisValues, text};
 use super::design::Design;
 use super::output::Output;
-use super::scene_change::set;
 use crate::experiment::conditions::Conditions;
 use crate::experiment::configuration::Configuration;
+use crate::scene_file::changes::set_at;
 use crate::scene_file::{SceneError, SceneFile};
 use gearbench_integrators::{Resolution, Scheme};
 use gearbench_reports::record::{Part, Results};
@@ -53,7 +53,7 @@ impl Plan<'_> {
     pub fn scene_of(&self, cell: u64) -> Result<SceneFile, SceneError> {
         let mut document = self.document.clone();
         for (key, value) in self.design.values(cell) {
-            set(&mut document, key, &value).map_err(|e| {
+            set_at(&mut document, key, &value).map_err(|e| {
                 SceneError::plain(e, "`gearbench help scene` lists the keys of a scene")
             })?;
         }

@@ -40,6 +40,7 @@ fn fitted(fits: &[FitRecord]) -> Result<Option<Chart>, DrawError> {
         };
         let (fx, fy) = match first.kind {
             DataKind::Force => (1e6, 1.0),
+            DataKind::Torque | DataKind::Speed | DataKind::Angle => (1e3, 1.0),
             DataKind::Compliance => (1.0, 1e9),
         };
         let scaled = |x: &[f64], by: f64| -> Vec<f64> { x.iter().map(|x| by * x).collect() };

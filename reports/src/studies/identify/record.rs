@@ -75,6 +75,12 @@ words! {
         /// The contact force over time.
         #[default]
         Force = "force",
+        /// A torque on a gear, at a mount or through a shaft over time.
+        Torque = "torque",
+        /// A speed over time.
+        Speed = "speed",
+        /// An angle of rotation over time.
+        Angle = "angle",
         /// The compliance of the mesh at rest over positions in a mesh cycle.
         Compliance = "compliance",
     }
@@ -175,11 +181,11 @@ pub struct DataRecord {
     /// Order of that process.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub noise_order: Option<usize>,
-    /// Times \[s\] of a force, positions in base pitches of a compliance.
+    /// Times \[s\] of a history, positions in base pitches of a compliance.
     pub abscissa: Vec<f64>,
-    /// The data \[N, m/N\].
+    /// The data \[N, N m, rad/s, rad, m/N\].
     pub data: Vec<f64>,
-    /// Values of the fitted model at the abscissa \[N, m/N\].
+    /// Values of the fitted model at the abscissa \[N, N m, rad/s, rad, m/N\].
     pub model: Vec<f64>,
 }
 

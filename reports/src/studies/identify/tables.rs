@@ -147,6 +147,9 @@ fn how(f: &FitRecord) -> String {
 pub fn axis_names(kind: DataKind) -> [&'static str; 2] {
     match kind {
         DataKind::Force => ["time [\u{b5}s]", "force [N]"],
+        DataKind::Torque => ["time [ms]", "torque [N m]"],
+        DataKind::Speed => ["time [ms]", "speed [rad/s]"],
+        DataKind::Angle => ["time [ms]", "angle [rad]"],
         DataKind::Compliance => ["position [base pitches]", "compliance [nm/N]"],
     }
 }

@@ -167,15 +167,21 @@ pub fn uncertainty(
 
     // The pseudo-inverse of J^T J, and the directions that it excludes.
     let normal = jacobian.tr_mul(&jacobian);
-    let eigen = normal.symmetric_eigen();
-    let greatest = eigen.eigenvalues.iter().copied().fold(0.0, f64::max);
+    // All parameters may be held, or at bounds.
+    let (eigenvalues, v) = match q {
+        0 => (DVector::zeros(0), DMatrix::zeros(0, 0)),
+        _ => {
+            let eigen = normal.symmetric_eigen();
+            (eigen.eigenvalues, eigen.eigenvectors)
+        }
+    };
+    let greatest = eigenvalues.iter().copied().fold(0.0, f64::max);
     let mut order: Vec<usize> = (0..q).collect();
-    order.sort_by(|&a, &b| eigen.eigenvalues[b].total_cmp(&eigen.eigenvalues[a]));
-    let value = |i: usize| eigen.eigenvalues[i].max(0.0);
+    order.sort_by(|&a, &b| eigenvalues[b].total_cmp(&eigenvalues[a]));
+    let value = |i: usize| eigenvalues[i].max(0.0);
     let known = |i: usize| greatest > 0.0 && value(i) > RANK * RANK * greatest;
     let inverted = DVector::from_fn(q, |i, _| if known(i) { 1.0 / value(i) } else { 0.0 });
-    let v = &eigen.eigenvectors;
-    let inverse = v * DMatrix::from_diagonal(&inverted) * v.transpose();
+    let inverse = &v * DMatrix::from_diagonal(&inverted) * v.transpose();
     let whole = |part: &DVector<f64>| {
         let mut all = vec![0.0; p];
         moving
