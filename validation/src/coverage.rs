@@ -12,7 +12,7 @@ use gearbench::context::Context;
 use gearbench::experiment::runner::Runner;
 use gearbench::scene_file::calibration::{Constants, GAP};
 use gearbench::scene_file::{self, Selection};
-use gearbench::studies::identify::{CLOCK, Data, DataSet, FitOptions, FitPlan, identify, modelled};
+use gearbench::studies::identify::{CLOCK, DataSet, FitOptions, FitPlan, identify, modelled};
 use gearbench_reference::reference;
 use gearbench_reports::identify::Outcome;
 use std::fmt::Write as _;

@@ -9,7 +9,7 @@ use crate::validate::ValidationError;
 use gearbench::context::Context;
 use gearbench::experiment::conditions::even;
 use gearbench::experiment::key::Key;
-use gearbench::experiment::run::force_on_grid;
+use gearbench::experiment::run::history_on_grid;
 use gearbench::experiment::runner::Runner;
 use gearbench::models::models;
 use gearbench::scene_file::calibration::Constants;
@@ -18,7 +18,7 @@ use gearbench::studies::identify::{
     DataSet, FitOptions, FitPlan, Identification, IdentifyError, apply, identify,
 };
 use gearbench_models::gear::table::properties_of;
-use gearbench_models::scene::Scene;
+use gearbench_models::scene::{Channel, OfMesh, Scene};
 use gearbench_models::spec::{
     ContactSpec, Modelling, Parameters, SceneSpec, effective_radius, mesh_layout,
 };
@@ -181,14 +181,12 @@ fn history(
         .and(&(scheme, time.as_slice()));
     let force = runner.piece(key, || -> Result<Vec<f64>, ValidationError> {
         let mut built = Scene::build(&spec, &fe.modelling, models()).map_err(|e| other(&e))?;
-        let mut method = scheme.method.build();
-        force_on_grid(
+        history_on_grid(
             &scene.context,
             &mut built,
-            method.as_mut(),
-            scheme.resolution,
+            &scheme,
             u64::MAX,
-            &time,
+            (&time, Channel::Mesh(0, OfMesh::Force)),
         )
         .map_err(|e| other(&e))
     })?;

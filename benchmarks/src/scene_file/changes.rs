@@ -88,7 +88,7 @@ impl fmt::Display for KeyPath {
 }
 
 /// Name of the keys by which the path of a key names an entry of a list.
-const NAMES: [&str; 3] = ["label", "name", "model"];
+const NAMES: [&str; 5] = ["label", "name", "model", "body", "gear"];
 /// Name of all entries.
 const ALL: &str = "*";
 

@@ -8,6 +8,7 @@ mod compare;
 mod coupling;
 mod damping;
 mod documents;
+mod drives;
 mod files;
 mod fmu;
 mod folders;

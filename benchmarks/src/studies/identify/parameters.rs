@@ -189,7 +189,7 @@ fn of_scene(
     let text = scene.map_or("", SceneFile::text);
     let document = text.parse::<toml_edit::DocumentMut>();
     let document = document.map_err(|e| IdentifyError::Scene(e.to_string()))?;
-    let present = numbers_at(&document, path).map_err(IdentifyError::Scene)?;
+    let present = numbers_at(&document, path).map_err(IdentifyError::Path)?;
     let start = start.or(present.first().copied());
     match (start, bounds) {
         (Some(x), bounds) if x > 0.0 && bounds.is_none_or(|[low, _]| low >= 0.0) => {

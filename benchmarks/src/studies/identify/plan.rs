@@ -333,6 +333,9 @@ pub enum IdentifyError {
     /// The scene is not valid with values of its keys.
     #[error("{0}")]
     Scene(String),
+    /// A path leads to no key of the scene.
+    #[error("{0}")]
+    Path(String),
     /// A key of the scene without a number to start from.
     #[error(
         "`{0}` has no value above zero in the scene to start from: give one with --start {0}=VALUE, or --bounds {0}=LOW:HIGH for a value of any sign"
@@ -368,7 +371,7 @@ impl IdentifyError {
     /// True if the user asked for a parameter or value that the model does not have.
     pub fn is_of_wishes(&self) -> bool {
         use IdentifyError::{
-            Course, Gear, Key, KeyOfGear, Model, NoPath, NoStart, NothingOfGears, Value,
+            Course, Gear, Key, KeyOfGear, Model, NoPath, NoStart, NothingOfGears, Path, Value,
         };
         matches!(
             self,
@@ -377,6 +380,7 @@ impl IdentifyError {
                 | Value(..)
                 | NoPath(..)
                 | NoStart(..)
+                | Path(..)
                 | Course(..)
                 | NothingOfGears(..)
                 | Gear(..)

@@ -4,6 +4,7 @@
 mod beams;
 mod frequencies;
 mod rigid;
+mod stages;
 mod torsion;
 
 use gearbench_integrators::{Coeffs, SecondOrderSystem, State};
