@@ -186,7 +186,7 @@ fn study<S: TabularStudy>(
     }
     let references = args.compare(&mut rows);
     for row in &mut rows {
-        decimate_run(&mut row.run);
+        decimate_run(&mut row.run, &[]);
     }
     runner.report_progress(total, total, "report");
     let table = table(args, scene, &rows);

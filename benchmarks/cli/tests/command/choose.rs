@@ -223,7 +223,7 @@ fn bad_requirements_and_scenes_are_refused() {
     let folder = Folder::new();
     folder.write("apart.toml", &scene("7e-5"));
     folder.refuses("choose apart.toml", &["no teeth touch"]);
-    folder.refuses("choose spur_impact --metric speed", &["force-aligned"]);
+    folder.refuses("choose spur_impact --metric velocity", &["force-aligned"]);
     folder.refuses("choose spur_impact --tolerance 0", &["between 0 and 1"]);
     folder.refuses("choose nowhere", &["there is no scene `nowhere`"]);
     assert!(!folder.at("out").exists());

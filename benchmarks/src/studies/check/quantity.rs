@@ -174,7 +174,7 @@ mod tests {
         let of_gear = Quantity::of_key("speed_end_pinion_rad_s");
         assert_eq!(of_gear, Some(Quantity::SpeedsEnd));
         assert_eq!("omega2_end".parse(), Ok(Quantity::SpeedsEnd));
-        let e = "speed".parse::<Quantity>().unwrap_err();
+        let e = "velocity".parse::<Quantity>().unwrap_err();
         assert!(
             e.contains("force_rms_n") && e.contains("peak_force_n"),
             "{e}"

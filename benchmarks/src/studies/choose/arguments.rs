@@ -85,7 +85,7 @@ mod tests {
         };
         assert_eq!((c.metric, c.tolerance), (Metric::PeakForceRel, 0.02));
         for (bad, says) in [
-            (["hammer", "--metric", "speed"], "force-aligned"),
+            (["hammer", "--metric", "velocity"], "force-aligned"),
             (["hammer", "--metric", "torque"], "--references"),
             (["hammer", "--tolerance", "5"], "between 0 and 1"),
         ] {

@@ -168,7 +168,7 @@ pub fn compare(plan: &Plan, runner: &Runner<'_>) -> Result<Results, RunError> {
             } else {
                 pictured = row.contacts.is_some();
             }
-            decimate_run(&mut row);
+            decimate_run(&mut row, &references);
             runner.reserve_memory(&row);
             runs.push(row);
         }

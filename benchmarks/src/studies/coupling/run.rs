@@ -93,7 +93,7 @@ pub fn study(plan: &Plan, runner: &Runner<'_>, threads: usize) -> Result<Results
     })?;
     let couplings = std::mem::take(&mut *lock(&made));
     for row in &mut runs {
-        decimate_run(row);
+        decimate_run(row, &[]);
         row.series = None;
     }
     Ok(Results {

@@ -325,7 +325,7 @@ pub enum IdentifyError {
     #[error(transparent)]
     Statics(#[from] StaticsError),
     /// The model cannot be integrated over the data.
-    #[error(transparent)]
+    #[error("{0}{hint}", hint = way_out_of(.0))]
     Step(#[from] StepError),
     /// Finished pieces cannot be read or kept.
     #[error(transparent)]
@@ -350,6 +350,16 @@ pub enum IdentifyError {
     /// The fit failed from every starting point.
     #[error("the fit failed from every start: {0}")]
     Failed(String),
+}
+
+/// Returns a way out of a trial that takes too many steps.
+fn way_out_of(e: &StepError) -> &'static str {
+    match e {
+        StepError::Timeout { .. } => {
+            "; an implicit method with a step gets through a stiff train, for example --integrator generalised-alpha@1e-4"
+        }
+        _ => "",
+    }
 }
 
 impl ModelRefusal for IdentifyError {

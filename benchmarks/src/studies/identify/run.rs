@@ -299,7 +299,7 @@ pub fn histories(
         let history = series.map(|series| FitHistory {
             label: choice.label.clone(),
             constants: set,
-            series: decimate(series),
+            series: decimate(series, |_| false),
         });
         all.push(history.ok_or_else(|| {
             let why = row.message.clone();

@@ -284,7 +284,7 @@ impl Study<'_> {
             id: full.id.clone(),
             title: full.title.clone(),
             source: format!("computed for this record: {coordinates}under {}", own.by),
-            series: decimate(&own.series),
+            series: decimate(&own.series, |_| false),
             ..ReferenceSeries::default()
         };
         Ok((record, own))

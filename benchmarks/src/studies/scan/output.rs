@@ -152,7 +152,12 @@ mod tests {
         ] {
             assert_eq!(keys(word).unwrap(), wanted, "{word}");
         }
-        for word in ["omega3_end", "omega0_end", "speed_end_sun_rad_s", "speed"] {
+        for word in [
+            "omega3_end",
+            "omega0_end",
+            "speed_end_sun_rad_s",
+            "velocity",
+        ] {
             assert!(keys(word).unwrap_err().contains(word), "{word}");
         }
     }

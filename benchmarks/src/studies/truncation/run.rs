@@ -80,7 +80,7 @@ pub fn study(plan: &Plan, runner: &Runner<'_>) -> Result<Results, RunError> {
                 row.metrics.extend(metrics);
             }
             row.contacts = None;
-            decimate_run(&mut row);
+            decimate_run(&mut row, &[]);
             Ok::<_, RunError>(row)
         })?;
         row.model.clone_from(&plan.elastic.model);
