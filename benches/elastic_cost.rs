@@ -9,6 +9,8 @@
 //! 2. Flight: `hammer` with ten times the backlash and duration, so that flights last ten times as long between the
 //!    same impacts.
 //! 3. Mesh: twice the elements at the same flank nodes, time per step.
+//! 4. Damping: `loaded_mesh` with the damping that it states for all models, modes, residual compliance and contact
+//!    alike, beside the same gears without damping, time per step.
 
 mod support;
 
@@ -175,6 +177,25 @@ fn mesh() -> Value {
     json!({ "scene": "hammer", "step_s": small, "twice_the_elements_step_s": large, "ratio": large / small })
 }
 
+#[allow(clippy::print_stdout)]
+fn damping() -> Value {
+    let damped = file("loaded_mesh");
+    let text = damped.text().replace("\ndamping = {", "\n# damping = {");
+    assert_ne!(text, damped.text());
+    let mut undamped = damped.with_text(&text).unwrap_or_else(|e| panic!("{e:?}"));
+    let made = undamped.build_selected(&["elastic"]);
+    made.unwrap_or_else(|e| panic!("{e:?}"));
+    let mut scenes = [damped, undamped].map(|f| (built(&f, "elastic", &[]), 2e-3));
+    let ([with, without], _) = pair("damping of all", &mut scenes, |work| work.steps as f64);
+    println!(
+        "damping: {:.2} us a step, {:.2} us without; ratio {:.3}",
+        1e6 * with,
+        1e6 * without,
+        with / without
+    );
+    json!({ "scene": "loaded_mesh", "step_s": with, "undamped_step_s": without, "ratio": with / without })
+}
+
 fn main() {
     let calculix = after("--calculix-cpu-s").and_then(|w| w.parse().ok());
     store(
@@ -184,6 +205,7 @@ fn main() {
             "impact": impact(calculix),
             "flight": flight(),
             "mesh": mesh(),
+            "damping": damping(),
         }),
     );
 }

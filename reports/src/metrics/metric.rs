@@ -264,6 +264,11 @@ mod tests {
             keys.as_object().map(|o| o.len()),
             Some(Metric::ALL.len() + 1)
         );
-        assert!("speed".parse::<Metric>().unwrap_err().contains("force_l2"));
+        assert!(
+            "velocity"
+                .parse::<Metric>()
+                .unwrap_err()
+                .contains("force_l2")
+        );
     }
 }

@@ -121,7 +121,7 @@ fn wrong_values_are_refused_or_rows() {
         &["--against"],
     );
     folder.refuses(
-        &format!("{scan} gears.pinion.teeth=20 --outputs speed"),
+        &format!("{scan} gears.pinion.teeth=20 --outputs velocity"),
         &["there is no quantity", "efficiency"],
     );
     folder.refuses(
