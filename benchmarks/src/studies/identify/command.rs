@@ -336,6 +336,7 @@ fn plan(
             weight: weight.map_or(1.0, |w| w.1),
             peak_weight: args.peak_weight,
             conditions: reference.named.conditions.clone(),
+            recorder: name.to_owned(),
             ..DataSet::of(&full_name, &own.spec_for(choice), data)
         }
     };

@@ -20,6 +20,8 @@ pub struct FitParameters {
     pub free: Vec<bool>,
     /// Fixed values of the other parameters, with all digits.
     pub held: Vec<Option<f64>>,
+    /// For every data set the first one of its recorder.
+    pub recorders: Vec<usize>,
     /// Starting points in coordinates.
     pub starts: Vec<Vec<f64>>,
 }
@@ -81,7 +83,8 @@ impl FitParameters {
 
     /// Returns the offset of the clock of a data set [s].
     pub fn clock(&self, values: &[f64], set: usize) -> f64 {
-        let of = |p: &Parameter| *p == Parameter::Clock(set);
+        let first = self.recorders.get(set).copied().unwrap_or(set);
+        let of = |p: &Parameter| *p == Parameter::Clock(first);
         let place = self.parameters.iter().position(of);
         place.and_then(|i| values.get(i)).copied().unwrap_or(0.0)
     }

@@ -6,7 +6,7 @@
 //! | `damping_ns_per_m` | contact: linear dashpot of Kelvin and Voigt | linear, at least 0 |
 //! | `gap_m` | gap at the start, which is the touch time of an impact | linear, at least 0 |
 //! | `path_slope`, `path_curvature` | contact: course of that stiffness along the path of contact | linear |
-//! | `clock_s` | offset of the clock of a history, one per history, never written | linear |
+//! | `clock_s` | offset of the clock of a recorder, one per reference, never written | linear |
 //! | path of a key of the scene, as `shafts.*.damping_s` | number at every place that it names | logarithm; linear where bounds are given and the value is not positive |
 //! | any positive parameter of the gear model | gears that take the model | logarithm; dampers linear |
 //! | `GEAR.` and such a parameter | that gear alone | likewise |
@@ -40,7 +40,7 @@ const OFFSET: f64 = 0.02;
 pub enum Parameter {
     /// A constant of a calibration, by its key.
     Constant(String),
-    /// The offset of the clock of a data set.
+    /// The offset of the clock of a recorder, by its first data set.
     Clock(usize),
     /// A number of the scene file, at every place that a path names.
     Key(KeyPath),
@@ -69,9 +69,9 @@ impl Parameter {
         match self {
             Parameter::Key(path) => path.to_string(),
             Parameter::Constant(key) => key.clone(),
-            Parameter::Clock(i) if data.len() == 1 && *i == 0 => CLOCK.into(),
+            Parameter::Clock(_) if is_one_recorder(data) => CLOCK.into(),
             Parameter::Clock(i) => {
-                let name = data.get(*i).map_or("", |d| d.name.as_str());
+                let name = data.get(*i).map_or("", |d| d.recorder.as_str());
                 format!("{CLOCK} of {name}")
             }
         }
@@ -80,10 +80,10 @@ impl Parameter {
     /// Returns the name of the parameter in words.
     pub fn name(&self, data: &[DataSet]) -> String {
         match self {
-            Parameter::Clock(_) if data.len() == 1 => "clock offset".into(),
+            Parameter::Clock(_) if is_one_recorder(data) => "clock offset".into(),
             Parameter::Clock(i) => format!(
                 "clock offset of {}",
-                data.get(*i).map_or("", |d| d.name.as_str())
+                data.get(*i).map_or("", |d| d.recorder.as_str())
             ),
             Parameter::Key(path) => match path.names() {
                 [of @ .., key] => format!("{} of {}", words(key).0, of.join(" ")),
@@ -116,6 +116,11 @@ impl Parameter {
     pub fn is(&self, key: &str) -> bool {
         matches!(self, Parameter::Constant(own) if own == key)
     }
+}
+
+/// True if all data are of one recorder.
+fn is_one_recorder(data: &[DataSet]) -> bool {
+    data.windows(2).all(|d| d[0].recorder == d[1].recorder)
 }
 
 /// A key in words, and the unit at its end.
@@ -280,7 +285,14 @@ pub fn choose(
     };
     let count = starts_of(None).len();
 
-    let mut chosen = FitParameters::default();
+    let first_of = |d: &DataSet| {
+        let same = data.iter().position(|other| other.recorder == d.recorder);
+        same.unwrap_or_default()
+    };
+    let mut chosen = FitParameters {
+        recorders: data.iter().map(first_of).collect(),
+        ..FitParameters::default()
+    };
     let mut columns: Vec<Vec<f64>> = Vec::new();
     for key in &wanted {
         let given = |list: &[(String, f64)]| list.iter().find(|(k, _)| k == key).map(|(_, x)| *x);
@@ -330,7 +342,10 @@ pub fn choose(
             return Err(IdentifyError::Value(key.clone(), *x));
         }
         let parameters: Vec<Parameter> = match key.as_str() {
-            CLOCK => histories.iter().map(|&i| Parameter::Clock(i)).collect(),
+            CLOCK => {
+                let firsts = histories.iter().filter(|&&i| chosen.recorders[i] == i);
+                firsts.map(|&i| Parameter::Clock(i)).collect()
+            }
             _ => vec![Parameter::Constant(key.clone())],
         };
         for parameter in parameters {

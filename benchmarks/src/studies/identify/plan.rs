@@ -23,6 +23,8 @@ use gearbench_reports::identify::FitRecord;
 pub struct DataSet {
     /// Name of the data set.
     pub name: String,
+    /// Name of the recorder, whose sensors share a clock.
+    pub recorder: String,
     /// Gears, speeds and loads under which the data were recorded.
     pub spec: SceneSpec,
     /// Measured or computed values.
@@ -68,6 +70,7 @@ impl DataSet {
     pub fn of(name: &str, spec: &SceneSpec, data: Data) -> Self {
         DataSet {
             name: name.into(),
+            recorder: name.into(),
             spec: spec.clone(),
             data,
             weight: 1.0,
