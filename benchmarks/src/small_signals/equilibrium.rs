@@ -8,13 +8,13 @@
 //! ```
 //!
 //! which is solved by Newton's method in the modes of the stiffness at each state. Gears without contact have a
-//! relative motion without stiffness, which is followed by a step with a bound on how far flanks close and bodies deform.
-//! The rotation of hubs itself has no bound: soft shafts may twist as far as their torque requires. A step ends, by bisection, where the power
-//! of the forces along it changes its sign: the potential of loads and contacts decreases up to there, and contacts
-//! close and open accordingly. The velocities are those of the rigid-body motions nearest to the start, plus the
-//! velocities `v_d` of members that follow driven gears in the mechanism, so that dampers of contacts and shafts have
-//! no effect, while viscous loads do. Gears on a carrier have its velocity at their position, and their centrifugal
-//! forces are part of `f`.
+//! relative motion without stiffness, which is followed by a step with a bound on how far flanks close and bodies
+//! deform. The rotation of hubs itself has no bound: soft shafts twist as far as their torque requires. A step ends, by
+//! bisection, where the power of the forces along it changes its sign: the potential of loads and contacts decreases up
+//! to there, and contacts close and open accordingly. The velocities are those of the rigid-body motions nearest to the
+//! start, plus the velocities `v_d` of members that follow driven gears in the mechanism, so that dampers of contacts
+//! and shafts have no effect, while viscous loads do. Gears on a carrier have its velocity at their position, and their
+//! centrifugal forces are part of `f`.
 
 use super::LoadedStateError;
 use super::admissible_motions::{AdmissibleMotions, Modes};

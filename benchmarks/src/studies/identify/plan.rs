@@ -210,14 +210,9 @@ impl FitPlan {
     /// # Errors
     /// [`IdentifyError::Scene`] where the scene with these values is not valid.
     pub fn scene_with(&self, keys: &[(KeyPath, f64)]) -> Result<SceneFile, IdentifyError> {
-        let wrong = |why: String| IdentifyError::Scene(why);
         let scene = self.scene.as_ref();
-        let scene = scene.ok_or_else(|| wrong("no scene file is known".into()))?;
-        let text = text_with(scene, keys).map_err(wrong)?;
-        let of_file = |e: SceneError| wrong(e.to_text());
-        let mut changed = scene.with_text(&text).map_err(of_file)?;
-        changed.damp_unbuilt(&[&self.label]).map_err(of_file)?;
-        Ok(changed)
+        let scene = scene.ok_or_else(|| IdentifyError::Scene("no scene file is known".into()))?;
+        scene_with(scene, &self.label, keys).map_err(IdentifyError::Scene)
     }
 
     /// Returns the plan without data, and a data set, with values of keys of the scene.
@@ -245,6 +240,22 @@ impl FitPlan {
         };
         Ok((plan, set))
     }
+}
+
+/// Returns a scene with values of its keys, and with its damping for one of its models.
+///
+/// # Errors
+/// A text about what is not valid.
+pub fn scene_with(
+    scene: &SceneFile,
+    label: &str,
+    keys: &[(KeyPath, f64)],
+) -> Result<SceneFile, String> {
+    let text = text_with(scene, keys)?;
+    let of_file = |e: SceneError| e.to_text();
+    let mut changed = scene.with_text(&text).map_err(of_file)?;
+    changed.damp_unbuilt(&[label]).map_err(of_file)?;
+    Ok(changed)
 }
 
 /// Returns the text of a scene with values of its keys.

@@ -6,7 +6,7 @@ use super::fit_parameters::FitParameters;
 use super::parameters::choose;
 use super::plan::{
     Data, DataSet, FitPlan, Identification, IdentifyError, StaticTarget, apply, default_method,
-    size,
+    scene_with, size,
 };
 use crate::experiment::conditions::Conditions;
 use crate::experiment::decimation::decimate;
@@ -288,6 +288,17 @@ pub fn histories(
     let mut all = Vec::new();
     for (set, constants) in sets {
         let Some(constants) = constants else { continue };
+        // Keys of the scene have their own values at the start.
+        let keys: Vec<_> = (found.keys.iter())
+            .filter(|_| set == ConstantSet::Identified)
+            .map(|(key, x, _)| (key.clone(), *x))
+            .collect();
+        let changed = match keys.is_empty() {
+            true => None,
+            false => scene_with(scene, &choice.label, &keys).ok(),
+        };
+        let scene = changed.as_ref().unwrap_or(scene);
+        let choice = scene.model(&choice.label).unwrap_or(choice);
         let (mut spec, mut modelling) = (scene.spec_for(choice), choice.modelling.clone());
         apply(&constants, &choice.model, &mut spec, &mut modelling);
         let job = Job {
