@@ -184,7 +184,7 @@ fn history(
         history_on_grid(
             &scene.context,
             &mut built,
-            &scheme,
+            scheme,
             u64::MAX,
             (&time, Channel::Mesh(0, OfMesh::Force)),
         )
