@@ -219,6 +219,8 @@ pub struct SceneFile {
     pub models: Vec<ModelChoice>,
     /// Defaults of studies of this scene.
     pub study: Study,
+    /// True if models have the constants of their calibrations.
+    pub(crate) calibrated: bool,
     /// Files from which measured flanks, loads and motions were read.
     pub data_files: Vec<PathBuf>,
     /// Origin of the scene.
@@ -275,7 +277,8 @@ impl SceneFile {
     /// [`SceneError`] with the place in the changed text.
     pub fn with_text(&self, text: &str) -> Result<Self, SceneError> {
         let name = self.document.at("").file();
-        Self::unbuilt(&self.context, name, text, self.origin.clone(), true)
+        let origin = self.origin.clone();
+        Self::unbuilt(&self.context, name, text, origin, self.calibrated)
     }
 
     fn from_keys(
@@ -378,6 +381,7 @@ impl SceneFile {
             damping,
             models,
             study,
+            calibrated,
             data_files: files.into_paths(),
             origin,
             odd: Vec::new(),
