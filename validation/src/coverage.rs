@@ -101,7 +101,7 @@ pub fn check(plan: &Plan, mut done: impl FnMut(usize)) -> Result<Vec<Row>, Valid
     let set = DataSet::history(id, &scene.spec_for(choice), time, measured);
     let fit = FitPlan {
         data: vec![set.clone()],
-        ..FitPlan::new(&plan.model, &choice.modelling, &scene.context)
+        ..FitPlan::new(scene.clone(), &plan.model, &choice.modelling)
     };
     let model = modelled(&fit, &set, &truth, 0.0).map_err(|e| other(&e))?;
     let residuals: Vec<f64> = model.iter().zip(measured).map(|(a, b)| b - a).collect();

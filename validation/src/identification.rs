@@ -134,7 +134,7 @@ pub fn carry(
                 held,
                 ..FitOptions::default()
             },
-            ..FitPlan::new(label, &modelling, &scene.context)
+            ..FitPlan::new(scene.clone(), label, &modelling)
         };
         let found = identify(&plan, runner, |_, _| {}).map_err(|e: IdentifyError| other(&e))?;
         print(&format!(

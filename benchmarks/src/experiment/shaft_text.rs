@@ -30,7 +30,7 @@ pub fn shaft_text(scene: &SceneSpec, shaft: &ShaftSpec) -> String {
     };
     let damping = match shaft.damping {
         ShaftDamping::None => String::new(),
-        ShaftDamping::Time(time) => damping_text(Some(time)),
+        ShaftDamping::Time(time) => format!("; {}", damping_text(time)),
         ShaftDamping::Ratio(ratio) => format!("; damping ratio {}", short(ratio, 3)),
     };
     format!("{}; {made}{damping}", stations.join(", "))
@@ -43,7 +43,10 @@ pub fn stage_text(scene: &SceneSpec, stage: &StageSpec) -> String {
         true => format!("{} N m/rad", short(stage.stiffness, 4)),
         false => "rigid".to_owned(),
     };
-    let damping = damping_text(Some(stage.damping).filter(|t| *t > 0.0));
+    let damping = match stage.damping > 0.0 {
+        true => format!("; {}", damping_text(stage.damping)),
+        false => String::new(),
+    };
     format!(
         "{first} to {second}, ratio {}; {made}{damping}",
         short(stage.ratio, 5)
@@ -51,15 +54,15 @@ pub fn stage_text(scene: &SceneSpec, stage: &StageSpec) -> String {
 }
 
 /// Describes damping over stiffness [s].
-fn damping_text(time: Option<f64>) -> String {
-    time.map_or_else(String::new, |time| {
-        format!("; damping {} us of the stiffness", short(time * 1e6, 3))
-    })
+fn damping_text(time: f64) -> String {
+    format!("damping {} us of the stiffness", short(time * 1e6, 3))
 }
 
 fn section_text(s: &Section) -> String {
     let length = short(s.length * 1e3, 4);
-    let damping = damping_text(s.damping).replacen(';', ",", 1);
+    let damping = s
+        .damping
+        .map_or_else(String::new, |time| format!(", {}", damping_text(time)));
     match &s.kind {
         SectionKind::Coupling { stiffness } => {
             let stiffness = short(*stiffness, 4);

@@ -117,7 +117,7 @@ pub fn numbers_at(document: &DocumentMut, path: &KeyPath) -> Result<Vec<f64>, St
     Ok(found)
 }
 
-/// What is done at a key of a table.
+/// A function that is called with a table and one of its keys.
 type Visit<'v> = &'v mut dyn FnMut(&mut dyn TableLike, &str);
 
 fn visit(document: &mut DocumentMut, path: &KeyPath, at: Visit<'_>) -> Result<(), String> {

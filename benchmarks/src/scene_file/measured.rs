@@ -107,7 +107,7 @@ impl<'a> DataFiles<'a> {
     }
 }
 
-/// What a column acts on, with its quantities in order: the first whose unit fits is read.
+/// The load or motion that a column prescribes. Its unit selects the first of its quantities that it fits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Action {
     /// A torque on a gear or a body.

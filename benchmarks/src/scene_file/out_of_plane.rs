@@ -246,27 +246,24 @@ pub(super) fn out_of_plane(
     }
     if let Some(d) = keys.directions {
         let place = at.key("directions");
-        let shift = |d: Option<Translation>, key: &str| {
-            let read = |d: Translation| d.freedom(files, &place.key(key));
-            d.map(read).transpose()
-        };
-        let tilt = |d: Option<Tilt>, key: &str| {
-            let read = |d: Tilt| d.freedom(files, &place.key(key));
-            d.map(read).transpose()
-        };
-        let given: [Option<Freedom>; 6] = [
-            shift(d.x, "x")?,
-            shift(d.y, "y")?,
-            shift(d.z, "z")?,
-            tilt(d.tilt_x, "tilt_x")?,
-            tilt(d.tilt_y, "tilt_y")?,
-            tilt(d.tilt_z, "tilt_z")?,
+        let given: [Option<Result<Freedom, SceneError>>; 6] = [
+            d.x.map(|x| x.freedom(files, &place.key("x"))),
+            d.y.map(|y| y.freedom(files, &place.key("y"))),
+            d.z.map(|z| z.freedom(files, &place.key("z"))),
+            d.tilt_x
+                .map(|tilt| tilt.freedom(files, &place.key("tilt_x"))),
+            d.tilt_y
+                .map(|tilt| tilt.freedom(files, &place.key("tilt_y"))),
+            d.tilt_z
+                .map(|tilt| tilt.freedom(files, &place.key("tilt_z"))),
         ];
         for (i, freedom) in given.into_iter().enumerate() {
-            let Some(freedom) = freedom else { continue };
+            let Some(freedom) = freedom.transpose()? else {
+                continue;
+            };
             if i == own {
                 let key = ["x", "", "", "", "", "tilt_z"][own];
-                return at.key("directions").key(key).refuse(
+                return place.key(key).refuse(
                     format!("`{key}` is the direction of motion of the mount"),
                     "defined by `mount`",
                     "give it in `mount`",

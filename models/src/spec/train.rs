@@ -8,9 +8,9 @@
 //! `c = R_a (w_a - W) + R_b (w_b - W)`
 //!
 //! (left flanks; right flanks at `-c`). In step all `c` are zero, the members of a shaft have one speed, those of a stage
-//! speeds in its ratio, and held hubs have none. These equations `G w = 0` are linear and do not depend on the position of the teeth. The same rows give the
-//! normal forces of rigid gears that stay in mesh: `M a = T - G' N` and `G a = 0`, so that `G M^-1 G' N = G M^-1 T`; a
-//! positive `N` presses left flanks, a negative one right flanks.
+//! have speeds in its ratio, and held hubs have none. These equations `G w = 0` are linear and do not depend on the
+//! position of the teeth. The same rows give the normal forces of rigid gears that stay in mesh: `M a = T - G' N` and
+//! `G a = 0`, so that `G M^-1 G' N = G M^-1 T`; a positive `N` presses left flanks, a negative one right flanks.
 
 use super::scene::{MeshSpec, SceneSpec};
 use super::signed_effective_radius;

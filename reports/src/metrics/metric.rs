@@ -163,7 +163,7 @@ impl Metric {
     pub fn of_integration(self) -> Self {
         match self {
             Self::ForceL2 | Self::ForceL2Aligned => Self::ForceL1,
-            // Angles, speeds and torques are held against references from elsewhere alone; torques follow the force.
+            // These metrics exist for references that no run of the study made, so that the force stands for them.
             Self::Angle | Self::Speed | Self::Torque | Self::TorquePeakRel => Self::ForceL1,
             other => other,
         }

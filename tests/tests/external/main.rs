@@ -154,7 +154,7 @@ fn identification_finds_the_stored_rigid_calibration_again() {
             &history.time,
             &history.contact_force,
         )],
-        ..FitPlan::new(&choice.label, &choice.modelling, &scene.context)
+        ..FitPlan::new(scene.clone(), &choice.label, &choice.modelling)
     };
     let found = identify(&plan, &Runner::default(), |_, _| {}).unwrap();
     let calibrated =

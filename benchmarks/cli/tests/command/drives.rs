@@ -208,7 +208,7 @@ fn loads_and_motions_are_read_from_files() {
     has(&super::stderr(&out), &["drive.csv"]);
 }
 
-/// What is wrong with a file or a key is told with its place.
+/// A file that cannot be a load, or a wrong key of a stage, is refused with the file, the line and the reason.
 #[test]
 fn files_that_cannot_be_loads_are_refused() {
     let folder = Folder::new();

@@ -62,32 +62,39 @@ pub enum OneOrNamed {
 }
 
 type RecognisedColumns = (Option<String>, Vec<(Quantity, String)>);
-type QuantityOfGear = fn(usize) -> Quantity;
+type QuantityOf = fn(usize) -> Quantity;
 
-/// Index of a mesh by its name: the names of both gears, joined.
-fn mesh_of(spec: &SceneSpec, name: &str) -> Option<usize> {
-    let named = |i: usize| spec.gears[i].name.as_str();
-    spec.meshes.iter().position(|m| {
-        let [a, b] = m.gears.map(named);
-        [format!("{a}-{b}"), format!("{a}_{b}")].contains(&name.to_owned())
-    })
+/// Parts of a scene that quantities belong to, in the order of their numbers.
+#[derive(Clone, Copy)]
+enum Subject {
+    /// Meshes.
+    Mesh,
+    /// Gears, then bodies on shafts.
+    Member,
+    /// Spans of shafts, then stages.
+    Span,
 }
 
-/// Number of gears and bodies.
-fn members(spec: &SceneSpec) -> usize {
-    spec.gears.len() + spec.bodies().count()
-}
+/// Quantities of gears, bodies and shafts, by their keys.
+const OF_MEMBERS: [(&str, QuantityOf, Subject); 5] = [
+    ("speed", Quantity::Speed, Subject::Member),
+    ("angle", Quantity::Angle, Subject::Member),
+    ("torque", Quantity::Torque, Subject::Member),
+    ("mount_torque", Quantity::MountTorque, Subject::Member),
+    ("shaft_torque", Quantity::ShaftTorque, Subject::Span),
+];
 
-/// Index of a gear or, behind them, of a body.
-fn member_of(spec: &SceneSpec, name: &str) -> Option<usize> {
-    (0..members(spec)).find(|i| spec.member_name(*i) == name)
-}
-
-/// Index of a span of a shaft, or of a stage, by the names of both members, joined.
-fn span_of(spec: &SceneSpec, name: &str) -> Option<usize> {
-    spans(spec)
-        .iter()
-        .position(|[a, b]| [format!("{a}-{b}"), format!("{a}_{b}")].contains(&name.to_owned()))
+impl Subject {
+    /// Returns the names of the members of every part: two of a mesh or span.
+    fn members(self, spec: &SceneSpec) -> Vec<Vec<&str>> {
+        let named = |members: &[usize]| members.iter().map(|i| spec.member_name(*i)).collect();
+        let gears_and_bodies = spec.gears.len() + spec.bodies().count();
+        match self {
+            Subject::Mesh => spec.meshes.iter().map(|m| named(&m.gears)).collect(),
+            Subject::Member => (0..gears_and_bodies).map(|i| named(&[i])).collect(),
+            Subject::Span => spec.spans().iter().map(|span| named(span)).collect(),
+        }
+    }
 }
 
 /// Names of the members of all spans.
@@ -96,42 +103,29 @@ pub(super) fn spans(spec: &SceneSpec) -> Vec<[String; 2]> {
     spec.spans().into_iter().map(named).collect()
 }
 
-/// Reads entries by names; each is a quantity of its gear or mesh.
+/// Reads entries by the names of the members of their subjects, joined by `-` or `_`.
 fn by_name(
     list: &OrderedTable<String>,
-    of: QuantityOfGear,
-    find: impl Fn(&str) -> Option<usize>,
-    known: &[String],
+    (of, subject): (QuantityOf, Subject),
+    spec: &SceneSpec,
     at: &Place<'_>,
 ) -> Result<Vec<(Quantity, String)>, SceneError> {
-    let one = |(name, text): &(String, String)| match find(name) {
-        Some(i) => Ok((of(i), text.clone())),
-        None => at.key(name).refuse(
-            format!("there is nothing called `{name}` in the scene"),
-            "not known",
-            there_are(name, known),
-        ),
+    let all = subject.members(spec);
+    let one = |(name, text): &(String, String)| {
+        let is = |members: &Vec<&str>| ["-", "_"].iter().any(|by| members.join(by) == *name);
+        match all.iter().position(is) {
+            Some(i) => Ok((of(i), text.clone())),
+            None => {
+                let known: Vec<String> = all.iter().map(|members| members.join("-")).collect();
+                at.key(name).refuse(
+                    format!("there is nothing called `{name}` in the scene"),
+                    "not known",
+                    there_are(name, &known),
+                )
+            }
+        }
     };
     list.0.iter().map(one).collect()
-}
-
-fn names(spec: &SceneSpec) -> Vec<String> {
-    let names = (0..members(spec)).map(|i| spec.member_name(i).to_owned());
-    names.collect()
-}
-
-/// Names of all spans, as keys.
-fn joined(spec: &SceneSpec) -> Vec<String> {
-    spans(spec)
-        .iter()
-        .map(|[a, b]| format!("{a}-{b}"))
-        .collect()
-}
-
-fn meshes(spec: &SceneSpec) -> Vec<String> {
-    let named = |i: usize| spec.gears[i].name.as_str();
-    let names = spec.meshes.iter().map(|m| m.gears.map(named));
-    names.map(|[a, b]| format!("{a}-{b}")).collect()
 }
 
 /// Reads the column of time and the columns of quantities.
@@ -144,7 +138,7 @@ pub(super) fn columns(
         return Ok(RecognisedColumns::default());
     };
     let mut all = Vec::new();
-    let of_meshes: [(&str, &Option<OneOrNamed>, QuantityOfGear); 2] = [
+    let of_meshes: [(&str, &Option<OneOrNamed>, QuantityOf); 2] = [
         ("force", &keys.force, Quantity::Force),
         (
             "transmission_error",
@@ -157,33 +151,21 @@ pub(super) fn columns(
             None => {}
             Some(OneOrNamed::One(name)) => all.push((of(0), name.clone())),
             Some(OneOrNamed::Named(list)) => {
-                let find = |name: &str| mesh_of(spec, name);
-                all.extend(by_name(list, of, find, &meshes(spec), &at.key(key))?);
+                all.extend(by_name(list, (of, Subject::Mesh), spec, &at.key(key))?);
             }
         }
     }
-    let of_gears: [(&str, &Option<OrderedTable<String>>, QuantityOfGear); 4] = [
-        ("speed", &keys.speed, Quantity::Speed),
-        ("angle", &keys.angle, Quantity::Angle),
-        ("torque", &keys.torque, Quantity::Torque),
-        ("mount_torque", &keys.mount_torque, Quantity::MountTorque),
+    let others = [
+        &keys.speed,
+        &keys.angle,
+        &keys.torque,
+        &keys.mount_torque,
+        &keys.shaft_torque,
     ];
-    for (key, list, of) in of_gears {
+    for ((key, of, subject), list) in OF_MEMBERS.into_iter().zip(others) {
         if let Some(list) = list {
-            let find = |name: &str| member_of(spec, name);
-            all.extend(by_name(list, of, find, &names(spec), &at.key(key))?);
+            all.extend(by_name(list, (of, subject), spec, &at.key(key))?);
         }
-    }
-    if let Some(list) = &keys.shaft_torque {
-        let find = |name: &str| span_of(spec, name);
-        let at = at.key("shaft_torque");
-        all.extend(by_name(
-            list,
-            Quantity::ShaftTorque,
-            find,
-            &joined(spec),
-            &at,
-        )?);
     }
     Ok((keys.time.clone(), all))
 }
@@ -199,7 +181,7 @@ pub(super) fn units(
     };
     let subjects = subjects(spec);
     let mut all = Vec::new();
-    let of_meshes: [(&Option<String>, QuantityOfGear); 2] = [
+    let of_meshes: [(&Option<String>, QuantityOf); 2] = [
         (&keys.force, Quantity::Force),
         (&keys.transmission_error, Quantity::TransmissionError),
     ];
@@ -209,40 +191,23 @@ pub(super) fn units(
             .flat_map(|u| (0..spec.meshes.len()).map(move |m| (of(m), u.clone())));
         all.extend(every);
     }
-    let of_gears: [(&str, &Option<OneOrNamed>, QuantityOfGear); 4] = [
-        ("speed", &keys.speed, Quantity::Speed),
-        ("angle", &keys.angle, Quantity::Angle),
-        ("torque", &keys.torque, Quantity::Torque),
-        ("mount_torque", &keys.mount_torque, Quantity::MountTorque),
+    let others = [
+        &keys.speed,
+        &keys.angle,
+        &keys.torque,
+        &keys.mount_torque,
+        &keys.shaft_torque,
     ];
-    for (key, choice, of) in of_gears {
+    for ((key, of, subject), choice) in OF_MEMBERS.into_iter().zip(others) {
         match choice {
             None => {}
             Some(OneOrNamed::One(unit)) => {
-                all.extend((0..members(spec)).map(|g| (of(g), unit.clone())));
+                let parts = 0..subject.members(spec).len();
+                all.extend(parts.map(|i| (of(i), unit.clone())));
             }
             Some(OneOrNamed::Named(list)) => {
-                let find = |name: &str| member_of(spec, name);
-                all.extend(by_name(list, of, find, &names(spec), &at.key(key))?);
+                all.extend(by_name(list, (of, subject), spec, &at.key(key))?);
             }
-        }
-    }
-    match &keys.shaft_torque {
-        None => {}
-        Some(OneOrNamed::One(unit)) => {
-            let spans = 0..spec.spans().len();
-            all.extend(spans.map(|s| (Quantity::ShaftTorque(s), unit.clone())));
-        }
-        Some(OneOrNamed::Named(list)) => {
-            let find = |name: &str| span_of(spec, name);
-            let at = at.key("shaft_torque");
-            all.extend(by_name(
-                list,
-                Quantity::ShaftTorque,
-                find,
-                &joined(spec),
-                &at,
-            )?);
         }
     }
     // Units of a rack may be those of its mate, which the reader knows: here only what is a unit of nothing is refused.

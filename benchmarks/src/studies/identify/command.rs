@@ -361,13 +361,12 @@ fn plan(
     FitPlan {
         label: choice.label.clone(),
         modelling: choice.modelling.clone(),
-        context: scene.context.clone(),
         data: (fitted.iter().flat_map(of_reference))
             .chain(statics)
             .collect(),
         held_out: held_out.iter().flat_map(of_reference).collect(),
         method,
-        scene: Some(scene.clone()),
+        scene: scene.clone(),
         wishes: FitOptions {
             fit: args.fit.clone(),
             held,

@@ -187,12 +187,11 @@ pub fn path_of(key: &str) -> Option<KeyPath> {
 /// Returns the coordinate and the starting value of a key of the scene.
 fn of_scene(
     path: &KeyPath,
-    scene: Option<&SceneFile>,
+    scene: &SceneFile,
     start: Option<f64>,
     bounds: Option<[f64; 2]>,
 ) -> Result<(Coordinate, f64), IdentifyError> {
-    let text = scene.map_or("", SceneFile::text);
-    let document = text.parse::<toml_edit::DocumentMut>();
+    let document = scene.text().parse::<toml_edit::DocumentMut>();
     let document = document.map_err(|e| IdentifyError::Scene(e.to_string()))?;
     let present = numbers_at(&document, path).map_err(IdentifyError::Path)?;
     let start = start.or(present.first().copied());
@@ -228,7 +227,7 @@ const NOTHING: Fit = Fit {
 /// [`IdentifyError`] for a model without a recipe, a key that it has not, or a value that cannot be.
 pub fn choose(
     (spec, modelling, models): (&SceneSpec, &Modelling, &[Model]),
-    scene: Option<&SceneFile>,
+    scene: &SceneFile,
     data: &[DataSet],
     wishes: &FitOptions,
 ) -> Result<FitParameters, IdentifyError> {

@@ -2,7 +2,6 @@
 
 use super::fit_parameters::FitParameters;
 use super::parameters::FitOptions;
-use crate::context::Context;
 use crate::experiment::error::ModelRefusal;
 use crate::experiment::journal::JournalError;
 use crate::experiment::key::Key;
@@ -168,12 +167,10 @@ pub struct FitPlan {
     pub label: String,
     /// Gear models and contacts; the model of the first gear is the one whose constants are fitted.
     pub modelling: Modelling,
-    /// The context of the scene.
-    pub context: Context,
     /// Method by which trials are integrated.
     pub method: Scheme,
-    /// The scene file, where keys of it are fitted.
-    pub scene: Option<SceneFile>,
+    /// The scene file, whose keys can be fitted.
+    pub scene: SceneFile,
     /// Data sets to fit, at least one.
     pub data: Vec<DataSet>,
     /// Data that the fitted model is compared with.
@@ -192,51 +189,41 @@ pub fn default_method() -> Scheme {
 
 impl FitPlan {
     /// Creates a plan without data and options.
-    pub fn new(label: &str, modelling: &Modelling, context: &Context) -> Self {
+    pub fn new(scene: SceneFile, label: &str, modelling: &Modelling) -> Self {
         FitPlan {
             label: label.to_owned(),
             modelling: modelling.clone(),
-            context: context.clone(),
             method: default_method(),
-            scene: None,
+            scene,
             data: Vec::new(),
             held_out: Vec::new(),
             wishes: FitOptions::default(),
         }
     }
 
-    /// Returns the scene with values of its keys.
-    ///
-    /// # Errors
-    /// [`IdentifyError::Scene`] where the scene with these values is not valid.
-    pub fn scene_with(&self, keys: &[(KeyPath, f64)]) -> Result<SceneFile, IdentifyError> {
-        let scene = self.scene.as_ref();
-        let scene = scene.ok_or_else(|| IdentifyError::Scene("no scene file is known".into()))?;
-        scene_with(scene, &self.label, keys).map_err(IdentifyError::Scene)
-    }
-
     /// Returns the plan without data, and a data set, with values of keys of the scene.
     ///
     /// # Errors
-    /// As [`FitPlan::scene_with`].
+    /// [`IdentifyError::Scene`] where the scene with these values is not valid.
     pub fn changed(
         &self,
         set: &DataSet,
         keys: &[(KeyPath, f64)],
     ) -> Result<(FitPlan, DataSet), IdentifyError> {
-        let scene = self.scene_with(keys)?;
         let wrong = |why: String| IdentifyError::Scene(why);
+        let scene = scene_with(&self.scene, &self.label, keys).map_err(wrong)?;
         let choice = scene.model(&self.label);
         let choice = choice.ok_or_else(|| wrong(format!("there is no model `{}`", self.label)))?;
         let own = scene.with(&set.conditions);
         let own = own.map_err(|(key, why, _)| wrong(format!("`{key}`: {why}")))?;
-        let plan = FitPlan {
-            method: self.method,
-            ..FitPlan::new(&self.label, &choice.modelling, &self.context)
-        };
         let set = DataSet {
             spec: own.spec_for(choice),
             ..set.clone()
+        };
+        let modelling = choice.modelling.clone();
+        let plan = FitPlan {
+            method: self.method,
+            ..FitPlan::new(scene, &self.label, &modelling)
         };
         Ok((plan, set))
     }

@@ -50,12 +50,12 @@ pub fn modelled(
             let shifted: Vec<f64> = time.iter().map(|t| t + clock).collect();
             // Before its start a scene is at rest there, without force.
             let before = shifted.partition_point(|t| *t < 0.0);
-            let mut scene = assemble(&spec, &modelling, &plan.context.models)?;
+            let mut scene = assemble(&spec, &modelling, &plan.scene.context.models)?;
             let grid = &shifted[before..];
             let no_channel = || IdentifyError::NoForce(set.name.clone());
             let channel = channel_of(*quantity).ok_or_else(no_channel)?;
             let found = history_on_grid(
-                &plan.context,
+                &plan.scene.context,
                 &mut scene,
                 &plan.method,
                 MAX_STEPS,
@@ -74,7 +74,7 @@ pub fn modelled(
             let count = wanted.compliance.len();
             let own = StaticTarget::of(
                 (&spec, &modelling),
-                &plan.context.models,
+                &plan.scene.context.models,
                 wanted.force,
                 count,
             );
@@ -101,8 +101,8 @@ pub fn identify(
     let Some(first) = plan.data.first() else {
         return Err(IdentifyError::Failed("there are no data".into()));
     };
-    let scene = (&first.spec, &plan.modelling, &*plan.context.models);
-    let chosen = choose(scene, plan.scene.as_ref(), &plan.data, &plan.wishes)?;
+    let scene = (&first.spec, &plan.modelling, &*plan.scene.context.models);
+    let chosen = choose(scene, &plan.scene, &plan.data, &plan.wishes)?;
     let factors: Vec<Vec<f64>> = plan.data.iter().map(DataSet::factors).collect();
     let mut count = 0;
     let mut why = String::new();
@@ -294,8 +294,15 @@ pub fn histories(
             .map(|(key, x, _)| (key.clone(), *x))
             .collect();
         let changed = match keys.is_empty() {
-            true => None,
-            false => scene_with(scene, &choice.label, &keys).ok(),
+            true => Ok(None),
+            false => scene_with(scene, &choice.label, &keys).map(Some),
+        };
+        let changed = match changed {
+            Ok(changed) => changed,
+            Err(why) => {
+                all.push(Err(why));
+                continue;
+            }
         };
         let scene = changed.as_ref().unwrap_or(scene);
         let choice = scene.model(&choice.label).unwrap_or(choice);

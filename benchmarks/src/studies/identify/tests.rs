@@ -28,7 +28,7 @@ pub(super) fn plan(label: &str) -> (FitPlan, gearbench_models::spec::SceneSpec) 
     )
     .unwrap();
     let choice = scene.model(label).unwrap();
-    let plan = FitPlan::new(label, &choice.modelling, &scene.context);
+    let plan = FitPlan::new(scene.clone(), label, &choice.modelling);
     (plan, scene.spec_for(choice))
 }
 

@@ -7,7 +7,7 @@ mod rigid;
 mod stages;
 mod torsion;
 
-use gearbench_integrators::{Coeffs, SecondOrderSystem, State};
+use gearbench_integrators::{Coeffs, Outputs, Report, SecondOrderSystem, State};
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{
     BodySpec, Modelling, SceneSpec, Section, SectionKind, ShaftSpec, Station, StationMember,
@@ -96,6 +96,13 @@ fn matrix(n: usize, mut column: impl FnMut(&[f64], &mut [f64])) -> DMatrix<f64> 
         (0..n).for_each(|i| out[(i, j)] = y[i]);
     }
     out
+}
+
+/// Returns the total energy of a scene at a state [J].
+pub fn energy(scene: &mut Scene, s: &State) -> f64 {
+    let mut out = Outputs::default();
+    scene.output(s.at(), &mut out);
+    out.energy.total()
 }
 
 /// Returns mass and stiffness matrices at a state.
