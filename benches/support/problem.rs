@@ -99,6 +99,7 @@ impl Problem {
             loads: Vec::new(),
         };
         let spec = SceneSpec {
+            duration: f64::INFINITY,
             gears: vec![
                 spec("pinion", one, 0.0, data.speed[0]),
                 spec("wheel", two, distance, -data.speed[1]),

@@ -160,6 +160,7 @@ fn run(mesh: &str, flanks: FlankContact, folder: &Path) -> Result<Vec<f64>, Fail
         loads: vec![],
     };
     let spec = SceneSpec {
+        duration: f64::INFINITY,
         gears: gears()?.into_iter().enumerate().map(gear).collect(),
         meshes: vec![MeshSpec {
             gears: [0, 1],

@@ -216,6 +216,7 @@ pub(crate) fn context<'a>(
         slides: false,
         lines: None,
         speed: 0.0,
+        time_of_first_teeth: f64::INFINITY,
         parameters,
     }
 }

@@ -77,6 +77,7 @@ pub fn mesh(gears: [usize; 2], start: Start) -> MeshSpec {
 /// Returns a scene of two gears in mesh.
 pub fn pair_of(a: GearSpec, b: GearSpec, start: Start) -> SceneSpec {
     SceneSpec {
+        duration: f64::INFINITY,
         gears: vec![a, b],
         meshes: vec![mesh([0, 1], start)],
         shafts: vec![],

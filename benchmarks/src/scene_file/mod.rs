@@ -345,6 +345,7 @@ impl SceneFile {
             ..draft.spec.clone()
         });
         let mut spec = SceneSpec {
+            duration: keys.duration_s.0,
             gears: gears.collect(),
             meshes,
             shafts,

@@ -34,6 +34,9 @@ pub struct GearContext<'a> {
     pub lines: Option<Strips>,
     /// Initial speed of the hub [rad/s or m/s].
     pub speed: f64,
+    /// Time for which no other teeth come into mesh than those at the start [s]
+    /// ([`SceneSpec::time_of_first_teeth`](crate::spec::SceneSpec::time_of_first_teeth)).
+    pub time_of_first_teeth: f64,
     /// Parameters from the scene.
     pub parameters: &'a Parameters,
 }

@@ -125,6 +125,7 @@ impl Scene {
                 slides: slides(i),
                 lines: lines_of(spec, modelling, i),
                 speed: initial_speed(g),
+                time_of_first_teeth: spec.time_of_first_teeth(),
                 parameters: &model.parameters,
             };
             let built = rows[i].build(&context).map_err(|e| e.of_gear(&g.name))?;

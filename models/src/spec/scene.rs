@@ -3,12 +3,16 @@
 use super::load::Load;
 use super::mount::{Guide, Mount, OutOfPlaneSpec};
 use super::points::FlankContact;
+use super::profile::Profile;
 use super::shaft::{BodySpec, ShaftSpec, Station, StationMember};
 use super::stage::StageSpec;
 use crate::Vec3;
 use crate::geometry::{Gear, Rack, Side, Tips};
 use crate::law::{Damping, Friction};
 use crate::stiffness::{Material, PairStiffness};
+
+/// Part of a pitch within which the teeth in mesh stay the same.
+const FEW_PITCHES: f64 = 0.5;
 
 /// The toothed body of a gear.
 #[derive(Clone, Debug)]
@@ -42,6 +46,14 @@ impl Body {
             Body::Gear(gear) if gear.is_internal() => Tips::Inwards,
             Body::Gear(_) => Tips::Outwards,
             Body::Rack(_) => Tips::Along,
+        }
+    }
+
+    /// Returns the normal module [m].
+    pub fn module(&self) -> f64 {
+        match self {
+            Body::Gear(gear) => gear.params().module,
+            Body::Rack(rack) => rack.params().module,
         }
     }
 
@@ -167,6 +179,8 @@ pub struct SceneSpec {
     pub shafts: Vec<ShaftSpec>,
     /// Stages without teeth between members.
     pub stages: Vec<StageSpec>,
+    /// Simulated time [s]; infinite where it is not known.
+    pub duration: f64,
 }
 
 impl SceneSpec {
@@ -213,6 +227,31 @@ impl SceneSpec {
     /// Returns the names of the two gears of a mesh, given by their indices.
     pub fn names_of(&self, gears: [usize; 2]) -> [&str; 2] {
         gears.map(|i| self.gears[i].name.as_str())
+    }
+
+    /// Returns the time for which no other teeth come into mesh than those at the start [s]: the duration, if none of the
+    /// gears passes half a pitch at its initial speed, or infinity. With loads or driven hubs, which may move gears on, it
+    /// is infinite. Loads that are zero do not count: a host may apply others to the same gears.
+    pub fn time_of_first_teeth(&self) -> f64 {
+        let loaded = |loads: &[Load]| {
+            let idle = |l: &Load| matches!(l, Load::Applied(Profile::Constant(x)) if *x == 0.0);
+            !loads.iter().all(idle)
+        };
+        let passes_few = |g: &GearSpec| {
+            let pitch = match &g.body {
+                Body::Gear(gear) => gear.pitch_angle(),
+                Body::Rack(rack) => rack.pitch(),
+            };
+            let speed = super::initial_speed(&g.mount, g.speed).abs();
+            speed == 0.0 || speed * self.duration < FEW_PITCHES * pitch
+        };
+        let moved_on = (self.gears.iter())
+            .any(|g| loaded(&g.loads) || matches!(g.mount, Mount::Driven(_)) || !passes_few(g))
+            || (self.bodies()).any(|b| loaded(&b.loads) || matches!(b.mount, Mount::Driven(_)));
+        match moved_on {
+            true => f64::INFINITY,
+            false => self.duration,
+        }
     }
 
     /// Returns the first mesh with a loaded start, if any.

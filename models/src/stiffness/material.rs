@@ -49,6 +49,11 @@ impl Material {
         Err(StiffnessError::Material { property, value })
     }
 
+    /// Returns the speed of shear waves (m/s).
+    pub fn shear_wave_speed(&self) -> f64 {
+        (self.shear_modulus() / self.density).sqrt()
+    }
+
     /// Returns the shear modulus G (Pa).
     pub fn shear_modulus(&self) -> f64 {
         self.young / (2.0 * (1.0 + self.poisson))

@@ -30,15 +30,14 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 
 /// Criterion by which modes are ranked.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Criterion {
     /// Rank by frequency, lowest first.
     Frequency,
     /// Largest flank compliance first.
-    #[default]
     FlankCompliance,
-    /// Made for the teeth in mesh at the start, for gears that turn by less than a pitch ([`made_for`]).
+    /// Made for the teeth in mesh at the start, for gears that turn by less than half a pitch ([`made_for`]).
     TeethInMesh,
 }
 
@@ -64,6 +63,8 @@ pub struct Choice {
     pub candidates: usize,
     /// None above this angular frequency [rad/s]; see [`highest_for_step`].
     pub highest: f64,
+    /// Time for which modes made for the teeth in mesh have to hold [s].
+    pub time: f64,
     /// Contact lies evenly over the face width.
     pub even_over_width: bool,
 }
@@ -329,22 +330,25 @@ impl Basis {
         }))
     }
 
-    /// The basis with shapes within the span of its modes in place of them, of frequencies `omega`; `v` has a row of as many
-    /// for each mode.
-    pub(super) fn in_span(&self, v: &[f64], omega: Vec<f64>) -> Basis {
+    /// The basis with shapes within the span of its modes in place of them, of frequencies `omega`. `moving` and `span` have a
+    /// row of as many for each mode: the part of a shape that has mass, and the whole displacement.
+    pub(super) fn in_span(&self, moving: &[f64], span: &[f64], omega: Vec<f64>) -> Basis {
         let (modes, count) = (self.omega.len(), omega.len());
-        let of_modes = |x: &[f64]| -> Vec<f64> {
+        let sums = |x: &[f64], v: &[f64]| -> Vec<f64> {
             let mut out = vec![0.0; count];
             for (x, row) in x.iter().zip(v.chunks_exact(count.max(1))) {
                 out.iter_mut().zip(row).for_each(|(out, v)| *out += x * v);
             }
             out
         };
-        let each = |x: &dyn Fn(usize) -> f64| of_modes(&(0..modes).map(x).collect::<Vec<_>>());
-        let momentum = [0, 1].map(|axis| each(&|i| self.momentum[i][axis]));
+        let of_modes = |x: &[f64]| sums(x, span);
+        let each = |x: &dyn Fn(usize) -> f64, v: &[f64]| -> Vec<f64> {
+            sums(&(0..modes).map(x).collect::<Vec<_>>(), v)
+        };
+        let momentum = [0, 1].map(|axis| each(&|i| self.momentum[i][axis], moving));
         let rows = self.shapes.chunks_exact(modes.max(1));
         let lateral = self.lateral.as_ref().map(|lateral| {
-            let hub = [0, 1, 2, 3, 4, 5].map(|d| each(&|i| lateral.hub[i][d]));
+            let hub = [0, 1, 2, 3, 4, 5].map(|d| each(&|i| lateral.hub[i][d], span));
             Arc::new(OutOfPlaneShapes {
                 hub: (0..count)
                     .map(|k| [0, 1, 2, 3, 4, 5].map(|d| hub[d][k]))
@@ -356,11 +360,11 @@ impl Basis {
             family: (0..count as u32).collect(),
             shapes: rows.flat_map(of_modes).collect(),
             hub: of_modes(&self.hub),
-            participation: of_modes(&self.participation),
+            participation: sums(&self.participation, moving),
             momentum: (0..count)
                 .map(|k| [momentum[0][k], momentum[1][k]])
                 .collect(),
-            integrals: (self.integrals.as_ref()).map(|i| Arc::new(i.in_span(v, count))),
+            integrals: (self.integrals.as_ref()).map(|i| Arc::new(i.in_span(moving, count))),
             lateral,
             omega,
             ..self.clone()

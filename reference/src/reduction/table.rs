@@ -31,7 +31,7 @@ pub(super) const PARAMETERS: [ParameterInfo; 22] = mesh_source::with_own(&[
     optional("max_frequency_hz", "highest frequency of a mode to keep"),
     optional(
         "choose",
-        "\"flank-compliance\" (default): the modes that yield most at the flanks; \"frequency\": the lowest; \"teeth-in-mesh\": made for the teeth in mesh at the start, for impacts",
+        "\"teeth-in-mesh\": made for the teeth in mesh at the start (default of a short scene without loads in which less than half a pitch passes); \"flank-compliance\" (default of others): the modes that yield most at the flanks; \"frequency\": the lowest",
     ),
     optional(
         "residual",
@@ -75,6 +75,13 @@ const MOST_MODES: usize = 5000;
 const STEP: f64 = 1e-6;
 /// So many of the lowest modes are looked at, at least; twice as many as are kept.
 const LEAST_CANDIDATES: usize = 400;
+/// Lowest modes of a gear of equal teeth of which those of the teeth in mesh are made. Gears of many teeth need as many
+/// to reach the frequencies at which a loaded tooth vibrates. Other meshes, whose modes are found without symmetry, have
+/// [`LEAST_CANDIDATES`].
+const CANDIDATES_IN_MESH: usize = 1000;
+/// Time within which modes made for the teeth in mesh are more accurate than as many eigenmodes, in times that a shear wave
+/// takes for one module. Later the vibrations have spread over the body.
+const SHORT: f64 = 500.0;
 
 fn damping(reader: &Reader<'_>, given: &ElasticParameters) -> Result<ModalDamping, BuildError> {
     let [alpha, beta] = reader.rayleigh(given.rayleigh)?;
@@ -102,8 +109,25 @@ fn even_over_width(context: &GearContext<'_>) -> bool {
     }
 }
 
+/// Returns the criterion of the choice. By default modes are made for the teeth in mesh where no other teeth follow, the
+/// time is short, and a number of modes limits the choice.
+fn criterion(context: &GearContext<'_>, given: &ElasticParameters) -> Criterion {
+    let limited = match given.modes {
+        Some(_) => true,
+        None => given.max_frequency_hz.is_none() && given.reduction.is_none(),
+    };
+    let made = limited && given.keeps_residual() && given.target_error.is_none();
+    let of_waves = context.body.module() / context.material.shear_wave_speed();
+    match given.choose {
+        Some(criterion) => criterion,
+        None if made && context.time_of_first_teeth < SHORT * of_waves => Criterion::TeethInMesh,
+        None => Criterion::FlankCompliance,
+    }
+}
+
 /// Requested number of modes.
 struct ModeRequest {
+    by: Criterion,
     count: Option<usize>,
     /// Largest frequency [Hz].
     max_frequency: Option<f64>,
@@ -120,16 +144,20 @@ fn computed(
     given: &ElasticParameters,
     asked: &ModeRequest,
 ) -> Result<BasisResult, BuildError> {
+    let of = super::of_gear(MODEL, reader.context, &given.mesh)?;
+    let least = match asked.by {
+        Criterion::TeethInMesh if of.sector => CANDIDATES_IN_MESH,
+        _ => LEAST_CANDIDATES,
+    };
     // A frequency alone keeps all modes below it; a target may take any number.
     let (count, wanted) = match (asked.count, asked.max_frequency) {
         (None, Some(f)) => (usize::MAX, ModeSelection::UpTo(f)),
-        (None, None) if asked.target => (usize::MAX, ModeSelection::Count(LEAST_CANDIDATES)),
+        (None, None) if asked.target => (usize::MAX, ModeSelection::Count(least)),
         (count, _) => {
             let count = count.unwrap_or(ElasticParameters::MODES);
-            (count, ModeSelection::Count(LEAST_CANDIDATES.max(2 * count)))
+            (count, ModeSelection::Count(least.max(2 * count)))
         }
     };
-    let of = super::of_gear(MODEL, reader.context, &given.mesh)?;
     let basis = shared::basis_of(&of.request(reader.context.material, wanted))
         .map_err(|e| reader.error("mesh", e.to_string()).of_model())?;
     let candidates = shared::lowest(&basis, wanted);
@@ -244,6 +272,7 @@ fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
     let damping = damping(&reader, &given)?;
     let vibration_cut_off = reader.not_negative("vibration_cut_off", given.vibration_cut_off)?;
     let asked = ModeRequest {
+        by: criterion(context, &given),
         count,
         max_frequency,
         target: target.is_some(),
@@ -255,10 +284,11 @@ fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
     let highest = choose::highest_for_step(step)
         .min(max_frequency.map_or(f64::INFINITY, |f| std::f64::consts::TAU * f));
     let choice = Choice {
-        by: given.choose.unwrap_or_default(),
+        by: asked.by,
         count,
         highest,
         candidates,
+        time: context.time_of_first_teeth,
         even_over_width: even_over_width(context),
     };
     let teeth = match choice.by {

@@ -38,6 +38,7 @@ fn gear(teeth: u32, x: f64) -> GearSpec {
 
 fn pair(side: Side) -> SceneSpec {
     SceneSpec {
+        duration: f64::INFINITY,
         gears: vec![gear(20, 0.0), gear(30, 0.1001)],
         meshes: vec![MeshSpec {
             gears: [0, 1],

@@ -26,6 +26,7 @@ pub fn scene(gears: [Gear; 2], material: Material, distance: f64) -> SceneSpec {
         loads: vec![],
     };
     SceneSpec {
+        duration: f64::INFINITY,
         gears: gears.into_iter().enumerate().map(held).collect(),
         meshes: vec![MeshSpec {
             gears: [0, 1],

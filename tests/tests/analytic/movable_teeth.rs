@@ -211,6 +211,7 @@ fn train(torque: f64) -> SceneSpec {
     last.position = [0.1001, 0.1001, 0.0];
     last.loads = vec![Load::Applied(Profile::Constant(-torque))];
     SceneSpec {
+        duration: f64::INFINITY,
         gears: vec![first, idler, last],
         meshes: vec![
             mesh([0, 1], start(Side::Left, 2e-6)),

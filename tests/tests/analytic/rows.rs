@@ -249,6 +249,7 @@ fn idler_train() -> SceneSpec {
     let mut last = gear("last", spur(24), 0.1001, 0.0);
     last.position[1] = 0.1082;
     SceneSpec {
+        duration: f64::INFINITY,
         gears: vec![first, idler, last],
         meshes: vec![
             mesh([0, 1], start(Side::Left, 3e-6)),

@@ -241,6 +241,7 @@ fn order_is_no_matter() {
             vec![bar(0.2, 0.03, Material::STEEL, 2), coupling(0.1, 2e4)],
         )];
         SceneSpec {
+            duration: f64::INFINITY,
             meshes: vec![
                 mesh([at("a"), at("b")], start(Side::Left, 1e-5)),
                 mesh([at("b"), at("c")], start(Side::Left, 1e-5)),

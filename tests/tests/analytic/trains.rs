@@ -51,6 +51,7 @@ fn train(models: [ModelSpec; 3], mounts: [Mount; 3], torques: [f64; 2], side: Si
         mesh([1, 2], start(side, -1e-7)),
     ];
     let spec = SceneSpec {
+        duration: f64::INFINITY,
         gears,
         meshes,
         shafts: vec![],
@@ -103,6 +104,7 @@ fn a_train_carries_its_load_in_motion() {
         mesh([1, 2], start(Side::Right, 0.0)),
     ];
     let spec = SceneSpec {
+        duration: f64::INFINITY,
         gears: vec![first, idler, last],
         meshes,
         shafts: vec![],

@@ -84,7 +84,7 @@ fn few_modes_with_residual_compliance_are_full_finite_elements() {
     let modes = |n: f64| ("modes", Value::Number(n));
     let mut of_modes = Vec::new();
     for (n, limits) in [
-        (50.0, [0.022, 3e-4, 0.02]),
+        (50.0, [0.011, 6e-4, 0.01]),
         (100.0, [6e-3, 2e-4, 2e-3]),
         (200.0, [4e-3, 2e-4, 2e-3]),
     ] {

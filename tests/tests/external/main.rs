@@ -2,6 +2,7 @@
 //!
 //! The calibrated models must stay within what their fit reached; nothing here is a golden value of our own.
 
+mod default_modes;
 mod elastic;
 mod full_order;
 mod half_space;

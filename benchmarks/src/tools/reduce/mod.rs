@@ -285,6 +285,7 @@ fn of_scene(
         slides: false,
         lines: None,
         speed: 0.0,
+        time_of_first_teeth: f64::INFINITY,
         parameters,
     };
     let given = ElasticParameters::read(parameters).map(|p| p.mesh);
@@ -398,6 +399,7 @@ fn reduce(context: &Context, args: &Arguments, job: &Job) -> Result<ReducedGear,
                 count,
                 candidates: basis.omega.len(),
                 highest: args.max_frequency.map_or(f64::INFINITY, |f| TAU * f),
+                time: f64::INFINITY,
                 even_over_width: basis.lateral.is_none()
                     && Toothing::of(&basis, meta.motion, meta.teeth).straight,
             },

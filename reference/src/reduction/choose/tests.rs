@@ -43,6 +43,7 @@ fn choice(count: usize, by: Criterion) -> Choice {
         count,
         candidates: usize::MAX,
         highest: f64::INFINITY,
+        time: f64::INFINITY,
         even_over_width: false,
     }
 }
@@ -126,6 +127,7 @@ fn shapes_odd_over_the_width_do_not_count_where_contact_is_even() {
     let kept = choose(
         &b,
         &Choice {
+            time: f64::INFINITY,
             even_over_width: true,
             ..choice(30, Criterion::FlankCompliance)
         },

@@ -30,6 +30,7 @@ fn choice(count: usize, by: Criterion) -> Choice {
         count,
         candidates: usize::MAX,
         highest: f64::INFINITY,
+        time: f64::INFINITY,
         even_over_width: true,
     }
 }

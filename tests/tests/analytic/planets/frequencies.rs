@@ -142,6 +142,7 @@ fn scene_of(set: &Set, planets: usize) -> (SceneSpec, Vec<ContactSpec>) {
     }
     let width = gears[0].body.face_width();
     let spec = SceneSpec {
+        duration: f64::INFINITY,
         gears,
         meshes: meshes(planets, OVERLAP),
         shafts: vec![shaft("arm", vec![carrier], vec![])],
@@ -260,6 +261,7 @@ fn kahramans_planetary_train() {
     let lever = distance * 20f64.to_radians().cos();
     let width = gears[0].body.face_width();
     let mut spec = SceneSpec {
+        duration: f64::INFINITY,
         gears,
         meshes: meshes(3, OVERLAP_ON_LINES),
         shafts: vec![shaft("arm", vec![carrier], vec![])],

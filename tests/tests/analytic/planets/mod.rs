@@ -50,6 +50,7 @@ pub fn set(gap: f64) -> SceneSpec {
         body.speed = 3.0;
     }
     SceneSpec {
+        duration: f64::INFINITY,
         gears: std::iter::once(sun).chain((0..3).map(planet)).collect(),
         meshes: PLANETS
             .map(|p| mesh([SUN, p], start(Side::Left, gap)))

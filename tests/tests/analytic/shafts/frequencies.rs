@@ -91,6 +91,7 @@ fn an_idler_pair_has_the_frequencies_of_opentorsion() {
         vec![coupling(0.1, 5e3)],
     );
     let spec = SceneSpec {
+        duration: f64::INFINITY,
         gears,
         meshes: vec![mesh([0, 1], start(Side::Left, -1e-7))],
         shafts: vec![motor, other],
@@ -143,6 +144,7 @@ fn a_turbine_train_has_the_frequencies_of_friswell() {
     ];
     let meshes = [[0, 1], [0, 2], [1, 3]].map(|g| mesh(g, start(Side::Left, -1e-7)));
     let spec = SceneSpec {
+        duration: f64::INFINITY,
         gears,
         meshes: meshes.to_vec(),
         shafts,

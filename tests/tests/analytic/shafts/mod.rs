@@ -68,6 +68,7 @@ pub fn shaft(name: &str, stations: Vec<Station>, sections: Vec<Section>) -> Shaf
 /// Returns a scene of shafts without gears.
 pub fn alone(shafts: Vec<ShaftSpec>) -> SceneSpec {
     SceneSpec {
+        duration: f64::INFINITY,
         gears: vec![],
         meshes: vec![],
         shafts,

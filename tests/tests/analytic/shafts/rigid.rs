@@ -95,6 +95,7 @@ pub fn two_stages() -> SceneSpec {
     let mut last = at(gear("last", spur(40), 0.0, 0.0), 0.1001, 0.1201);
     last.mount = Mount::Fixed;
     SceneSpec {
+        duration: f64::INFINITY,
         gears: vec![first, wheel, pinion, last],
         meshes: vec![
             mesh([0, 1], start(Side::Left, -1e-7)),

@@ -18,6 +18,7 @@ fn tumbling() -> SceneSpec {
     }
     body.lateral = lateral;
     SceneSpec {
+        duration: f64::INFINITY,
         gears: vec![body],
         meshes: vec![],
         shafts: vec![],

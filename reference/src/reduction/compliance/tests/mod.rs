@@ -396,6 +396,7 @@ fn few_modes_leave_little_of_the_compliance_of_a_hub() {
                 count: 100,
                 candidates: 400,
                 highest: f64::INFINITY,
+                time: f64::INFINITY,
                 even_over_width: false,
             },
         );
