@@ -90,7 +90,7 @@ fn few_modes_with_residual_compliance_are_full_finite_elements() {
     ] {
         let found = run(&case, "elastic", &[modes(n)], None);
         assert!(found.modes.unwrap() <= n as usize);
-        let what = format!("{} modes at 1 us", found.modes.unwrap());
+        let what = format!("{n} modes at 1 us");
         let e = errors(&what, &found, &full);
         for (e, limit) in e.iter().zip(limits) {
             assert!(e.abs() < limit, "{what}: {e:.2e} beyond {limit:.0e}");
@@ -130,7 +130,7 @@ fn few_modes_on_half_spaces_are_full_finite_elements_on_half_spaces() {
     for (n, limits) in [(100.0, [4.5e-3, 2e-4, 3e-3]), (200.0, [3e-3, 2e-4, 2e-3])] {
         let modes = ("modes", Value::Number(n));
         let found = run(&case, "elastic-half-space", &[modes], None);
-        let what = format!("{} modes on half-spaces", found.modes.unwrap());
+        let what = format!("{n} modes on half-spaces");
         let e = errors(&what, &found, &fine);
         for (e, limit) in e.iter().zip(limits) {
             assert!(e.abs() < limit, "{what}: {e:.2e} beyond {limit:.0e}");
