@@ -216,7 +216,8 @@ impl PointBasedSolve {
     pub fn damp(&mut self, springs: &mut [Spring], follows: bool) -> Result<(), Singular> {
         let points = springs.len();
         self.before.clear();
-        if follows {
+        // Retardation refers to rates before residual compliance, which nodes do not reduce.
+        if follows && springs.iter().any(|s| s.law.is_dissipative()) {
             if springs.iter().any(|s| s.retardation > 0.0) {
                 self.before.extend_from_slice(&self.mobility);
             }

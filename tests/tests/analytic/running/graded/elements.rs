@@ -54,9 +54,8 @@ fn graded(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
         // The first layer is a two hundredth of the tooth's half thickness.
         skin_growth: if layers > 6 { 1.5 } else { 2.0 },
         width: width as usize,
-        flank_focus: Some(Focus { place, reach }),
         fine_teeth: Some(FineTeeth {
-            teeth: vec![0],
+            teeth: Vec::new(),
             others: Tooth {
                 across: 2 * layers + 1,
                 ..Tooth::coarse()
@@ -65,6 +64,16 @@ fn graded(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
         ..Default::default()
     };
     let gear = toothing(context.body);
+    // Elements of equal length along the flanks of three teeth serve all positions of a cycle.
+    let (focus, teeth) = match reach.is_finite() {
+        true => (Some(Focus { place, reach }), vec![0]),
+        false => (None, vec![0, 1, gear.teeth() - 1]),
+    };
+    let params = GearMeshParams {
+        flank_focus: focus,
+        fine_teeth: params.fine_teeth.map(|f| FineTeeth { teeth, ..f }),
+        ..params
+    };
     let mut mesh = mesh::gear(gear, &params).unwrap();
     // Where flanks touch; the elements under them are thinner than a pitch deviation.
     for grid in &mut mesh.flanks {
@@ -94,7 +103,8 @@ pub fn toothing(body: &Body) -> &Gear {
 }
 
 /// Fineness of the finite elements: `flank` of them along the teeth that touch at the path coordinate `s`, of equal
-/// length within `reach` of it [m], `layers` under the flank, `width` over the width of each gear.
+/// length within `reach` of it [m], `layers` under the flank, `width` over the width of each gear. With an infinite reach
+/// they are of equal length along the whole flank.
 pub struct ElementFineness {
     pub s: f64,
     pub reach: f64,
