@@ -12,27 +12,20 @@ PAIR = """schema = 1
 name = "impact{number}"
 duration_s = {duration:.6g}
 
-[gears.a]
-teeth = {teeth[0]}
-module_m = {module}
-helix_angle_deg = {helix}
-profile_shift = {shifts[0]}
-face_width_m = {width:.5f}
-bore_radius_m = {bores[0]:.5f}
-speed_rad_s = {speed:.4f}
-
-[gears.b]
-teeth = {teeth[1]}
-module_m = {module}
-helix_angle_deg = {opposite_helix}
-profile_shift = {shifts[1]}
-face_width_m = {width:.5f}
-bore_radius_m = {bores[1]:.5f}
-
+{first}
+{second}
 [[meshes]]
 gears = ["a", "b"]
 backlash_m = {backlash:.3g}
 start = {{ flank = "{flank}", gap_m = 1e-7 }}
+"""
+GEAR = """[gears.{name}]
+teeth = {teeth}
+module_m = {module}
+helix_angle_deg = {helix}
+profile_shift = {shift}
+face_width_m = {width:.5f}
+bore_radius_m = {bore:.5f}
 """
 MODEL = """
 [[models]]
@@ -61,17 +54,24 @@ def scene(number, draw):
     shifts = [round(draw.uniform(-0.1, 0.4), 2), round(draw.uniform(-0.2, 0.3), 2)]
     speed = draw.uniform(0.3, 1.0) / (0.5 * first * module)
     flank = draw.choice(["left", "right"])
+    speed = speed if flank == "left" else -speed
+    gears = [
+        GEAR.format(
+            name=name,
+            teeth=z,
+            module=module,
+            helix=beta,
+            shift=0.0 if helix else shift,
+            width=width,
+            bore=bore * (z - 3) * module / 2,
+        )
+        for name, z, beta, shift, bore in zip("ab", teeth, (helix, -helix), shifts, (0.45, 0.5))
+    ]
     text = PAIR.format(
         number=number,
         duration=0.15e-3 * module / 0.004,
-        teeth=teeth,
-        module=module,
-        helix=helix,
-        opposite_helix=-helix,
-        shifts=[0.0, 0.0] if helix else shifts,
-        width=width,
-        bores=[part * (z - 3) * module / 2 for part, z in zip((0.45, 0.5), teeth)],
-        speed=speed if flank == "left" else -speed,
+        first=gears[0] + f"speed_rad_s = {speed:.4f}\n",
+        second=gears[1],
         backlash=0.02 * module,
         flank=flank,
     )

@@ -74,8 +74,8 @@ const APART: f64 = 5e-4;
 const HALVINGS: u32 = 10;
 /// Largest allowed relative L2 error of the force history.
 pub const LIMIT: f64 = 0.01;
-/// Frequency below which the forces of undamped gears under load are compared [Hz]: their teeth vibrate at 50 kHz and above for ever, with
-/// a phase that the step of the finite elements does not keep.
+/// Frequency below which the forces of undamped gears under load are compared [Hz]: their teeth vibrate at 50 kHz and
+/// above for ever, with a phase that the step of the finite elements does not keep.
 const CUT_OFF: f64 = 30e3;
 /// Largest allowed relative L2 error of the transmission error of gears under load.
 pub const LIMIT_OF_TRANSMISSION_ERROR: f64 = 0.02;
@@ -205,8 +205,8 @@ pub fn compare(
     }))
 }
 
-/// A run with the contact force below [`CUT_OFF`]: its samples are averaged with the weights of a normal distribution in time, whose
-/// frequency response has fallen to half its power there.
+/// Returns a run with the contact force below [`CUT_OFF`]: its samples are averaged with the weights of a normal
+/// distribution in time, whose frequency response has fallen to half its power there.
 fn low_passed(of: &Outcome) -> Outcome {
     let mut out = of.clone();
     // What has no samples at jumps is compared at those of the grid.

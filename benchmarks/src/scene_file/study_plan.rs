@@ -20,7 +20,7 @@ use gearbench_integrators::table::{DOPRI5, HHT_ALPHA, NEWMARK, TRIGONOMETRIC};
 use gearbench_integrators::{METHODS, MethodSpec, Resolution, Scheme, Stepping};
 use gearbench_models::gear::properties::Properties;
 use gearbench_models::scene::Scene;
-use gearbench_models::spec::{Body, GearSpec};
+use gearbench_models::spec::GearSpec;
 use gearbench_reports::Metric;
 use gearbench_reports::record::{SELF, Tolerance};
 use serde::{Deserialize, Serialize};
@@ -228,11 +228,7 @@ pub(super) fn default_in(properties: Properties, scene: &mut Scene) -> Option<Ve
 
 /// Travel time of a compression wave across a module [s].
 fn crossing(gear: &GearSpec) -> f64 {
-    let module = match &gear.body {
-        Body::Gear(g) => g.params().module,
-        Body::Rack(r) => r.params().module,
-    };
-    module * (gear.material.density / gear.material.young).sqrt()
+    gear.body.module() * (gear.material.density / gear.material.young).sqrt()
 }
 
 /// Reads integrators with their steps or tolerances.

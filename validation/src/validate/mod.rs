@@ -99,10 +99,7 @@ fn gears(sample: &Sample) -> String {
             Body::Rack(r) => format!("rack of {}", r.teeth()),
         })
         .collect();
-    let module = match &sample.scene.spec.gears[0].body {
-        Body::Gear(g) => g.params().module,
-        Body::Rack(r) => r.params().module,
-    };
+    let module = sample.scene.spec.gears[0].body.module();
     format!("{}, m = {:.1} mm", teeth.join("/"), 1e3 * module)
 }
 

@@ -183,11 +183,8 @@ impl Problem {
 
     /// Computes the first natural frequency of a tooth from its size [Hz].
     pub fn tooth_frequency(&self) -> f64 {
-        let module = |g: &gearbench_models::spec::GearSpec| match &g.body {
-            Body::Gear(g) => g.params().module,
-            Body::Rack(r) => r.params().module,
-        };
-        let largest = self.scene.gears.iter().map(module).fold(0.0, f64::max);
+        let modules = self.scene.gears.iter().map(|g| g.body.module());
+        let largest = modules.fold(0.0, f64::max);
         TOOTH_SPEED / largest
     }
 }

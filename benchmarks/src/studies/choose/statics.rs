@@ -342,10 +342,7 @@ fn spring(gear: &GearSpec, compliance: f64) -> f64 {
 }
 
 fn tooth_mass(gear: &GearSpec) -> f64 {
-    let (module, width) = match &gear.body {
-        Body::Gear(g) => (g.params().module, g.face_width()),
-        Body::Rack(r) => (r.params().module, r.face_width()),
-    };
+    let (module, width) = (gear.body.module(), gear.body.face_width());
     let area = 0.5 * std::f64::consts::PI * module * 2.25 * module;
     BAR * gear.material.density * width * area
 }

@@ -216,8 +216,7 @@ impl PointBasedSolve {
     pub fn damp(&mut self, springs: &mut [Spring], follows: bool) -> Result<(), Singular> {
         let points = springs.len();
         self.before.clear();
-        // Retardation refers to rates before residual compliance, which nodes do not reduce.
-        if follows && springs.iter().any(|s| s.law.is_dissipative()) {
+        if follows {
             if springs.iter().any(|s| s.retardation > 0.0) {
                 self.before.extend_from_slice(&self.mobility);
             }

@@ -1,7 +1,7 @@
 //! Starting points for a fit of the model to a reference impact.
 
 use crate::gear::properties::{Fit, Start};
-use crate::spec::{Body, GearSpec};
+use crate::spec::GearSpec;
 use std::f64::consts::PI;
 
 /// Fit of the stiffness and the mass of a tooth.
@@ -14,10 +14,7 @@ pub const FIT: Fit = Fit {
 /// 1/contact + 2/tooth`, because the sum of squares has more than one minimum. A tooth is roughly a bar of half a
 /// pitch by 2.25 modules.
 fn starts(pair: f64, gear: &GearSpec) -> Vec<Start> {
-    let (width, m) = match &gear.body {
-        Body::Gear(g) => (g.face_width(), g.params().module),
-        Body::Rack(rack) => (rack.face_width(), rack.params().module),
-    };
+    let (width, m) = (gear.body.face_width(), gear.body.module());
     let tooth_mass = gear.material.density * 0.5 * PI * m * 2.25 * m * width;
     let mut all = Vec::new();
     for share in [0.35, 0.6] {

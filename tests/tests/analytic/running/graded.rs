@@ -11,7 +11,9 @@ use super::half_space::half_space;
 use super::*;
 use elements::{ElementFineness, toothing};
 use gearbench_models::contact::pairs::LinePressure;
-use gearbench_models::geometry::{Deviations, FlankDeviations, Gear, GivenDeviations, Side};
+use gearbench_models::geometry::{
+    Deviations, FlankDeviations, Gear, GivenDeviations, Side, inv, inv_inverse,
+};
 use gearbench_models::scene::ContactForce;
 use gearbench_models::spec::{Body, GearSpec};
 use gearbench_reference::statics::LoadedContact;
@@ -130,13 +132,8 @@ fn a_tooth_pair_over_its_load() {
 /// function of the operating pressure angle (ISO 21771).
 fn shifted(teeth: [u32; 2], shifts: [f64; 2], module: f64) -> SceneSpec {
     let alpha = 20_f64.to_radians();
-    let involute = |x: f64| x.tan() - x;
     let sum = f64::from(teeth[0] + teeth[1]);
-    let wanted = involute(alpha) + 2.0 * alpha.tan() * (shifts[0] + shifts[1]) / sum;
-    let mut operating = alpha;
-    for _ in 0..50 {
-        operating -= (involute(operating) - wanted) / operating.tan().powi(2);
-    }
+    let operating = inv_inverse(inv(alpha) + 2.0 * alpha.tan() * (shifts[0] + shifts[1]) / sum);
     let distance = 0.5 * sum * module * alpha.cos() / operating.cos();
     let [a, b] = [0, 1].map(|i| GearParams {
         teeth: teeth[i],

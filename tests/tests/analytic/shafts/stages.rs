@@ -44,8 +44,8 @@ fn reduced() -> f64 {
     (1.0 / (RATIO * RATIO * INERTIAS[0]) + 1.0 / INERTIAS[1]).recip()
 }
 
-/// A stage between two inertias vibrates at the frequency of its spring on the reduced inertia; its damper is in
-/// proportion to its stiffness.
+/// A stage between two inertias vibrates at the frequency of its spring on the reduced inertia. The damping of the stage
+/// is proportional to its stiffness.
 #[test]
 fn an_elastic_stage_has_its_frequency_and_damping() {
     let omega = (STIFFNESS / reduced()).sqrt();
