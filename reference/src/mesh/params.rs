@@ -33,13 +33,15 @@ impl Tooth {
 }
 
 impl Default for Tooth {
-    /// Returns numbers of elements for tooth deflections within a few per cent.
+    /// Returns numbers of elements for deflections of teeth on their rims within 1 per cent (with [`GearMeshParams::rim`]
+    /// by default; 36 combinations of the three were compared on two pairs of few teeth with elements that resolve the
+    /// contact).
     fn default() -> Self {
         Tooth {
             flank: 8,
-            fillet: 4,
+            fillet: 6,
             root: 2,
-            across: 6,
+            across: 8,
         }
     }
 }
@@ -120,7 +122,7 @@ impl Default for GearMeshParams {
             kind: ElementKind::C3D8I,
             tooth: Tooth::default(),
             layers: 2,
-            rim: 4,
+            rim: 8,
             width: 4,
             flank_grading: 1.0,
             flank_focus: None,

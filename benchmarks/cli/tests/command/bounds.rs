@@ -56,7 +56,8 @@ fn a_model_beyond_the_memory_is_a_row_and_the_others_run() {
 #[test]
 fn lumped_finite_elements_take_what_is_estimated() {
     let folder = Folder::new();
-    let fe = "parameters = { flank_elements = 10, width_elements = 4, mass = \"lumped\" }";
+    let fe = "parameters = { flank_elements = 10, fillet_elements = 4, across_elements = 6, rim_elements = 4, \
+              width_elements = 4, mass = \"lumped\" }";
     let text = with_fe()
         .replace(
             "parameters = { flank_elements = 20, width_elements = 8 }",

@@ -12,6 +12,7 @@ use crate::scene_file::{Origin, SHIPPED, SceneFile};
 use crate::studies::sweep;
 use crate::studies::test_scene::waves;
 use gearbench_integrators::Scheme;
+use gearbench_models::spec::Value;
 use gearbench_reports::record::Steady;
 use gearbench_reports::response::{GroupResponse, ResponsePoint};
 use gearbench_reports::sweep::Branch;
@@ -43,12 +44,23 @@ fn respond(
 
 /// Returns the steady states of gears that run under load at mesh frequencies [Hz].
 fn run(scene: &SceneFile, label: &str, method: Scheme, frequencies: &[f64]) -> Vec<Steady> {
+    let entry = Configuration::of(scene, scene.model(label).unwrap());
+    run_entry(scene, entry, method, frequencies)
+}
+
+/// Returns the steady states of a configuration of a scene.
+fn run_entry(
+    scene: &SceneFile,
+    entry: Configuration,
+    method: Scheme,
+    frequencies: &[f64],
+) -> Vec<Steady> {
     let plan = sweep::Plan {
         conditions: Conditions {
             repeats: 0,
             ..Conditions::of(scene)
         },
-        entries: vec![Configuration::of(scene, scene.model(label).unwrap())],
+        entries: vec![entry],
         standing: Vec::new(),
         method,
         frequencies: frequencies.to_vec(),
@@ -170,6 +182,41 @@ fn gears_under_load_answer_as_they_run() {
                 let mount = p.mounts[0].rms_n / steady.bearings[0].rms_n - 1.0;
                 assert!(mount.abs() < 0.02, "{mount}");
             }
+        }
+    }
+}
+
+/// Elastic gears with the static compliance of the modes that were cut, damped as the modes are, run as gears of which
+/// more modes are kept. Peaks of the force are printed only: they contain vibrations above the first cut frequency.
+#[test]
+fn damped_static_compliance_replaces_the_modes_that_were_cut() {
+    let scene = loaded_mesh("elastic");
+    let with = |modes: f64| {
+        let mut entry = Configuration::of(&scene, scene.model("elastic").unwrap());
+        for gear in &mut entry.modelling.gears {
+            (gear.parameters).insert("modes".into(), Value::Number(modes));
+        }
+        let choice = scene.model("elastic").unwrap();
+        let method = choice.integrators.as_ref().unwrap()[0].clone();
+        run_entry(
+            &scene,
+            entry,
+            method,
+            &[1000.0, 2000.0, 3000.0, 4000.0, 8500.0],
+        )
+    };
+    let full = with(200.0);
+    for modes in [20.0, 60.0] {
+        for (found, full) in with(modes).iter().zip(&full) {
+            let error = found.error_rms_m / full.error_rms_m - 1.0;
+            let force = found.force_peak_n / full.force_peak_n - 1.0;
+            println!(
+                "{modes} of 200 modes at {:.0} Hz: transmission error {:.2} %, greatest force {:.2} %",
+                full.mesh_frequency_hz,
+                100.0 * error,
+                100.0 * force
+            );
+            assert!(error.abs() < 0.01, "{modes} {error}");
         }
     }
 }

@@ -2,6 +2,7 @@
 
 use clap::Args;
 use gearbench_reference::deck::Units;
+use gearbench_reference::mesh::GearMeshParams;
 use std::path::PathBuf;
 
 const EXAMPLES: &str = "\
@@ -43,26 +44,26 @@ pub struct Mesh {
     /// Kind of element: C3D8, C3D8I, C3D20 or C3D20R [default: C3D8I]
     #[arg(long, value_name = "KIND")]
     pub element: Option<String>,
-    /// Elements along the involute flank [default: 8]
-    #[arg(long, value_name = "N")]
+    /// Elements along the involute flank
+    #[arg(long, value_name = "N", help = with_default("Elements along the involute flank", |p| p.tooth.flank))]
     pub flank: Option<usize>,
-    /// Elements along the fillet [default: 4]
-    #[arg(long, value_name = "N")]
+    /// Elements along the fillet
+    #[arg(long, value_name = "N", help = with_default("Elements along the fillet", |p| p.tooth.fillet))]
     pub fillet: Option<usize>,
-    /// Elements on the root arc, from the fillet to the middle of the tooth space [default: 2]
-    #[arg(long, value_name = "N")]
+    /// Elements on the root arc, from the fillet to the middle of the tooth space
+    #[arg(long, value_name = "N", help = with_default("Elements on the root arc, from the fillet to the middle of the tooth space", |p| p.tooth.root))]
     pub root: Option<usize>,
-    /// Elements across the tooth [default: 6]
-    #[arg(long, value_name = "N")]
+    /// Elements across the tooth
+    #[arg(long, value_name = "N", help = with_default("Elements across the tooth", |p| p.tooth.across))]
     pub across: Option<usize>,
-    /// Layers of elements under flank, fillet and root, whose thickness grows inwards [default: 2]
-    #[arg(long, value_name = "N")]
+    /// Layers of elements under flank, fillet and root, whose thickness grows inwards
+    #[arg(long, value_name = "N", help = with_default("Layers of elements under flank, fillet and root, whose thickness grows inwards", |p| p.layers))]
     pub layers: Option<usize>,
-    /// Layers from the root to the bore or the back of a rack [default: 4]
-    #[arg(long, value_name = "N")]
+    /// Layers from the root to the bore or the back of a rack
+    #[arg(long, value_name = "N", help = with_default("Layers from the root to the bore or the back of a rack", |p| p.rim))]
     pub rim: Option<usize>,
-    /// Layers over the face width [default: 4]
-    #[arg(long, value_name = "N")]
+    /// Layers over the face width
+    #[arg(long, value_name = "N", help = with_default("Layers over the face width", |p| p.width))]
     pub width: Option<usize>,
     /// Mesh one pitch only, for cyclic symmetry
     #[arg(long)]
@@ -70,6 +71,11 @@ pub struct Mesh {
     /// Numbers of the teeth with the full resolution, from 1, separated by commas; the other teeth are coarse
     #[arg(long, value_name = "A,B", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..))]
     pub fine_teeth: Vec<u32>,
+}
+
+/// Help of a number of elements, with its default.
+fn with_default(text: &str, number: impl Fn(&GearMeshParams) -> usize) -> String {
+    format!("{text} [default: {}]", number(&GearMeshParams::default()))
 }
 
 /// Units by their name.
