@@ -58,7 +58,7 @@ fn member<'p>(paths: &'p TorquePaths, name: &str) -> &'p MemberPath {
 
 fn near(what: &str, found: f64, wanted: f64, within: f64) {
     println!(
-        "{what}: {found:.9} {wanted:.9} {:+.1e}",
+        "{what}: {found:.9}, closed form {wanted:.9}, relative difference {:+.1e}",
         found / wanted - 1.0
     );
     assert!(
@@ -73,8 +73,13 @@ fn balances(run: &Run, within: f64) {
     let work = p.work_in_j - p.work_out_j;
     let external = ledger.external_work_j.unwrap();
     println!(
-        "in {} out {} dissipated {} stored {} not explained {:.1e} of {:.3e} J, ledger {external}",
-        p.work_in_j, p.work_out_j, p.dissipated_j, p.stored_j, p.unexplained_j, p.work_in_j
+        "in {} out {} dissipated {} stored {}, not explained {:.1e} of the work of {:.3e} J, ledger {external}",
+        p.work_in_j,
+        p.work_out_j,
+        p.dissipated_j,
+        p.stored_j,
+        p.unexplained_j / p.work_in_j,
+        p.work_in_j
     );
     assert!(
         (work - external).abs() < within * p.work_in_j,

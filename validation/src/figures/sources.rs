@@ -13,6 +13,9 @@ const FILE: &str = include_str!("../../figures.toml");
 /// Place of the number in a pattern.
 const NUMBER: &str = "{}";
 
+/// Name of this program in command lines.
+const THIS: &str = "gearbench-validation";
+
 /// A command that measures figures.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -48,10 +51,11 @@ impl Source {
         let mut words = self.command.split_whitespace();
         let program = words.next().ok_or("an empty command")?;
         let records = program == "gearbench";
-        let program = if records {
-            gearbench
-        } else {
-            Path::new(program)
+        let this = std::env::current_exe().map_err(|e| e.to_string())?;
+        let program = match program {
+            "gearbench" => gearbench,
+            THIS => &this,
+            other => Path::new(other),
         };
         let mut command = Command::new(program);
         command.args(words).current_dir(root).stdin(Stdio::null());
@@ -79,7 +83,7 @@ impl Source {
     }
 
     /// Reads the figures from the output of the command.
-    fn printed(&self, output: &str) -> Result<BTreeMap<String, f64>, String> {
+    pub(super) fn printed(&self, output: &str) -> Result<BTreeMap<String, f64>, String> {
         self.each("output line with", |pattern| largest(output, pattern))
     }
 
