@@ -103,9 +103,9 @@ fn a_pair_swings_on_its_mesh() {
         assert!((found.modes[1].strain[0] - 1.0).abs() < 1e-12);
         assert_eq!(found.modes[1].name, "mesh pinion - wheel");
         println!(
-            "pair under load: mesh force off by {:.1e}, frequency by {:.1e}, damping ratio by {:.1e}",
-            (pairs - 1.0).abs(),
+            "pair under load: frequency off by {:.1e}, mesh force by {:.1e}, damping ratio by {:.1e}",
             (f * TAU / omega - 1.0).abs(),
+            (pairs - 1.0).abs(),
             (zeta / exact - 1.0).abs()
         );
         let share = r1 * r1 / j1 / yielding;
@@ -335,7 +335,7 @@ fn planets_swing_in_pairs() {
             (k * (3.0 * rs * rs / js + rp * rp / jp)).sqrt() / TAU,
         ];
         println!(
-            "planets, carrier held {held}: frequency of the pair off by {:.1e}",
+            "planets, carrier held {held}: frequency off by {:.1e}",
             (f[0] / exact[0] - 1.0).abs()
         );
         assert!((f[0] / exact[0] - 1.0).abs() < 1e-6, "{f:?} for {exact:?}");
