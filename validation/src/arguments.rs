@@ -53,7 +53,8 @@ pub enum Command {
     Figures(Figures),
     /// Print counts and ranges of stored results, as the documents quote them
     Summary {
-        /// Files of one kind: records of `run`, tables of `reduction`, `coverage` or `agreement`, or Markdown
+        /// Files of one kind: records of `run`, tables of `reduction`, `coverage` or `agreement`, numbers of benches, or
+        /// Markdown
         #[arg(value_name = "FILE", required = true)]
         files: Vec<PathBuf>,
     },

@@ -3,6 +3,7 @@
 
 use gearbench_reports::choice_check::{ValidatedChoice, quantile, share};
 use gearbench_reports::load_results;
+use serde_json::Value;
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -15,7 +16,7 @@ const DEAR: f64 = 3.0;
 type Line = BTreeMap<String, String>;
 
 /// Returns the summary of stored files of one kind: records of choices, tables of `reduction`, `coverage`, `agreement` or decks,
-/// or Markdown, whose lines get the heading above them.
+/// numbers of benches, or Markdown, whose lines get the heading above them.
 ///
 /// # Errors
 /// A file cannot be read, or is of none of these kinds.
@@ -28,8 +29,14 @@ pub fn lines(files: &[impl AsRef<Path>]) -> Result<Vec<String>, String> {
         let fail = |e: String| format!("{}: {e}", file.display());
         match file.extension().and_then(|e| e.to_str()) {
             Some("json") => {
-                let record = load_results(file).map_err(|e| fail(e.to_string()))?;
-                choices.extend(record.choices().to_vec());
+                let read = std::fs::read_to_string(file).map_err(|e| fail(e.to_string()))?;
+                let value: Value = serde_json::from_str(&read).map_err(|e| fail(e.to_string()))?;
+                if value.get("study").is_some() {
+                    let record = load_results(file).map_err(|e| fail(e.to_string()))?;
+                    choices.extend(record.choices().to_vec());
+                } else {
+                    add_numbers("", &value, &mut text);
+                }
             }
             Some("csv") => table.extend(read(file).map_err(fail)?),
             _ => {
@@ -232,6 +239,28 @@ fn of_decks(table: &[Line]) -> Vec<String> {
     )]
 }
 
+/// Adds a line for each number of a file of a bench, after the names of the members that contain it; an element of a list has
+/// its first text as its name.
+fn add_numbers(names: &str, value: &Value, lines: &mut Vec<String>) {
+    match value {
+        Value::Number(x) => lines.push(format!("{names}: {x}")),
+        Value::Object(members) => {
+            for (name, member) in members {
+                add_numbers(&format!("{names}, {name}"), member, lines);
+            }
+        }
+        Value::Array(elements) => {
+            for (i, element) in elements.iter().enumerate() {
+                let texts = element.as_object().into_iter().flat_map(|o| o.values());
+                let name = texts.filter_map(Value::as_str).next();
+                let name = name.map_or_else(|| i.to_string(), str::to_owned);
+                add_numbers(&format!("{names}, {name}"), element, lines);
+            }
+        }
+        _ => {}
+    }
+}
+
 /// Returns the lines of a text in Markdown, each after its heading of the second level.
 fn under_headings(text: &str) -> Vec<String> {
     let mut heading = "";
@@ -296,6 +325,15 @@ mod tests {
                 "k: the 95 % interval contains the true value in 50.0000 % of 2 sets"
             ]
         );
+    }
+
+    #[test]
+    fn numbers_of_benches_have_their_names() {
+        let file =
+            serde_json::json!({"rows": [{"what": "rigid", "ratio": 2.5}, [4]], "commit": "none"});
+        let mut lines = Vec::new();
+        add_numbers("", &file, &mut lines);
+        assert_eq!(lines, [", rows, rigid, ratio: 2.5", ", rows, 1, 0: 4"]);
     }
 
     #[test]

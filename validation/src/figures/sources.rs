@@ -128,7 +128,8 @@ fn number_in(line: &str, pattern: &str) -> Option<f64> {
 }
 
 /// The value at a path such as `runs[model=elastic;variant=].metrics[against=fe].force_l2`: names of members, and in
-/// brackets the first element of an array whose members have these values; an empty value is a missing member.
+/// brackets the first element of an array whose members have these values, where an empty value is a missing member, or
+/// the place of an element from 0.
 fn at<'v>(mut value: &'v Value, path: &str) -> Option<&'v Value> {
     for step in path.split('.') {
         let (name, condition) = match step.split_once('[') {
@@ -137,7 +138,11 @@ fn at<'v>(mut value: &'v Value, path: &str) -> Option<&'v Value> {
         };
         value = value.get(name)?;
         if let Some(condition) = condition {
-            value = value.as_array()?.iter().find(|of| is(of, condition))?;
+            let elements = value.as_array()?;
+            value = match condition.parse::<usize>() {
+                Ok(place) => elements.get(place)?,
+                Err(_) => elements.iter().find(|of| is(of, condition))?,
+            };
         }
     }
     Some(value)
@@ -175,6 +180,8 @@ mod tests {
         assert_eq!(number(path), Some(3.0));
         assert_eq!(number("runs[modes=100].metrics[against=fe].x"), Some(3.0));
         assert_eq!(number("runs[modes=50].x"), None);
+        assert_eq!(number("runs[1].metrics[0].x"), Some(3.0));
+        assert_eq!(number("runs[2].x"), None);
     }
 
     #[test]
