@@ -2,8 +2,10 @@
 //!
 //! ```sh
 //! python3 benchmarks/scripts/scipy_floor.py scipy.csv     # some minutes; pip install numpy scipy
-//! cargo bench --bench against_scipy -- $PWD/scipy.csv
+//! cargo bench --bench against_scipy -- $PWD/scipy.csv [--csv FILE]
 //! ```
+//!
+//! `--csv` writes the table into a file, after lines with the command, commit, processor and date.
 //!
 //! At each error level the cheapest run of either side counts, whatever its method and tolerance. Error: rms of
 //! the pinion's speed over its span, 5001 points, against the exact piecewise solution. Time: wall clock of the
@@ -12,6 +14,7 @@
 
 mod support;
 
+use gearbench::experiment::machine;
 use gearbench_integrators::{METHODS, Resolution, Stepping};
 use gearbench_models::scene::{Channel, OfGear};
 use support::problem::Problem;
@@ -90,8 +93,19 @@ fn cheapest(points: &[Point], level: f64) -> Option<&Point> {
         .min_by(|a, b| a.wall.total_cmp(&b.wall))
 }
 
+/// Returns the lines above a stored table.
+fn signature() -> String {
+    format!(
+        "# cargo bench --bench against_scipy -- scipy.csv --csv FILE\n# commit {}, {}, {}\n",
+        machine::commit_of_checkout(),
+        machine::machine().cpu,
+        machine::now()
+    )
+}
+
 #[allow(clippy::print_stdout)]
 fn main() {
+    let mut table = signature() + "problem,error,gearbench_s,scipy_s,ratio\n";
     let path = std::env::args().skip(1).find(|a| a.ends_with(".csv"));
     for problem in [Problem::Impact, Problem::Hammer] {
         let ours = gearbench(problem);
@@ -111,17 +125,24 @@ fn main() {
             };
             let wall = |p: &Point| format!("{:.1} us", p.wall * 1e6);
             match cheapest(&theirs, level) {
-                Some(b) => println!(
-                    "{level:>8.0e}  {:>10} {:<26} {:>10} {:<24} {:>7.0}",
-                    wall(a),
-                    a.what,
-                    wall(b),
-                    b.what,
-                    b.wall / a.wall
-                ),
+                Some(b) => {
+                    let ratio = b.wall / a.wall;
+                    println!(
+                        "{level:>8.0e}  {:>10} {:<26} {:>10} {:<24} {ratio:>7.0}",
+                        wall(a),
+                        a.what,
+                        wall(b),
+                        b.what
+                    );
+                    let (name, ours, theirs) = (problem.name(), a.wall, b.wall);
+                    table += &format!("{name},{level:.0e},{ours:.4e},{theirs:.4e},{ratio:.4e}\n");
+                }
                 None => println!("{level:>8.0e}  {:>10} {:<26} {:>10}", wall(a), a.what, "-"),
             }
         }
+    }
+    if let Some(file) = scenes::after("--csv") {
+        std::fs::write(&file, table).unwrap_or_else(|e| panic!("{file}: {e}"));
     }
     if path.is_none() {
         println!(

@@ -98,6 +98,15 @@ fn impact(calculix: Option<f64>) -> Value {
     println!(
         "fe: explicit {explicit:.2} s, implicit {implicit:.2} s; CalculiX {calculix:.1} s of processor time ({whence})"
     );
+    let per_step = |run: &(f64, f64, Work)| run.1 / run.2.steps as f64;
+    println!(
+        "elastic, time per step of 200 modes over none: {:.2}",
+        per_step(&runs[3]) / per_step(&runs[0])
+    );
+    println!(
+        "elastic, 100 modes: elements in contact over half-spaces: {:.2}",
+        runs[2].1 / on_half_spaces
+    );
     let mut stored = Vec::new();
     for (modes, wall, work) in runs {
         stored.push(json!({

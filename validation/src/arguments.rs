@@ -12,6 +12,7 @@ Examples:
   gearbench-validation coverage --model movable-teeth   do confidence intervals contain the true constants?
   gearbench-validation agreement                        do compare and choose contradict each other?
   gearbench-validation figures impact                   measure the figures of one source for the documents
+  gearbench-validation summary damped.csv                print counts and ranges of stored results
   gearbench-validation identification                   compare constants with finite elements at other speeds
 
 Exit code 1 means that fewer than 95 % of the choices are right, or that the median cost of the choices is more than
@@ -50,6 +51,13 @@ pub enum Command {
     Identification(Identification),
     /// Measure the figures that README and book quote, store them, and write them into the documents
     Figures(Figures),
+    /// Print counts and ranges of stored results, as the documents quote them
+    Summary {
+        /// Files of one kind: records of `run`, tables of `reduction`, `coverage` or `agreement`, numbers of benches, or
+        /// Markdown
+        #[arg(value_name = "FILE", required = true)]
+        files: Vec<PathBuf>,
+    },
 }
 
 /// Arguments of `agreement`.
@@ -121,14 +129,18 @@ pub struct Reduction {
     pub out: PathBuf,
 }
 
+/// Numbers of scenes, ascending.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Scenes(pub Vec<usize>);
+
 /// Arguments of `run`.
 #[derive(Args, Clone, Debug)]
 pub struct Run {
     /// A set of validation/sets.toml
     pub set: String,
-    /// First and last scene of the set [default: all]
-    #[arg(long, value_name = "A..B", value_parser = range)]
-    pub scenes: Option<[usize; 2]>,
+    /// Scenes of the set, for example 1..5,18 [default: all]
+    #[arg(long, value_name = "A..B,C", value_parser = list)]
+    pub scenes: Option<Scenes>,
     /// Number of scenes, the first with one impact, to compare with full finite elements [default: the number of the
     /// set]
     #[arg(long, value_name = "N")]
@@ -154,6 +166,17 @@ fn range(text: &str) -> Result<[usize; 2], String> {
     }
 }
 
+fn list(text: &str) -> Result<Scenes, String> {
+    let mut all = Vec::new();
+    for part in text.split(',') {
+        let [first, last] = range(part)?;
+        all.extend(first..=last);
+    }
+    all.sort_unstable();
+    all.dedup();
+    Ok(Scenes(all))
+}
+
 fn one(text: &str) -> Result<(String, usize), String> {
     let parts = text.split_once(':');
     match parts.map(|(set, number)| (set, number.trim().parse())) {
@@ -173,14 +196,16 @@ mod tests {
         let parse = |args: &[&str]| Cli::try_parse_from([&["gearbench-validation"], args].concat());
         let Ok(Cli {
             command: Command::Run(run),
-        }) = parse(&["run", "tuning", "--scenes", "3..5"])
+        }) = parse(&["run", "tuning", "--scenes", "18,3..5,4"])
         else {
             panic!("not understood");
         };
-        assert_eq!((run.scenes, run.threads), (Some([3, 5]), 1));
+        assert_eq!(run.scenes, Some(Scenes(vec![3, 4, 5, 18])));
+        assert_eq!(run.threads, 1);
         for wrong in [
             &["run"][..],
             &["run", "tuning", "--scenes", "5..3"],
+            &["run", "tuning", "--scenes", "3,"],
             &["sample", "tuning"],
             &["sample", ":7"],
         ] {

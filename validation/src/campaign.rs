@@ -14,7 +14,7 @@ use std::sync::{Mutex, PoisonError};
 #[derive(Clone, Debug)]
 pub struct Plan {
     pub set: Set,
-    pub scenes: [usize; 2],
+    pub scenes: Vec<usize>,
     /// Number of scenes that are validated at the same time.
     pub threads: usize,
 }
@@ -39,11 +39,9 @@ pub fn check(
     runner: &Runner<'_>,
     progress: impl Fn(&ValidatedChoice, usize) + Sync,
 ) -> Result<Vec<ValidatedChoice>, ValidationError> {
-    let [first, last] = plan.scenes;
     let full = full_order(&plan.set)?;
-    let all: Vec<usize> = (first..=last).collect();
     let rows = Mutex::new(BTreeMap::new());
-    in_parallel(plan.threads, &all, |number| {
+    in_parallel(plan.threads, &plan.scenes, |number| {
         let row: ValidatedChoice =
             runner.piece(plan.key(*number), || validate(&sample(&plan.set, *number)?))?;
         let mut rows = lock(&rows);

@@ -12,6 +12,7 @@
 //! | [`coverage`] | coverage of the intervals of identified constants on synthetic data |
 //! | [`figures`] | figures in the documents: commands, stored values, comparison |
 //! | [`identification`] | identified constants compared with finite elements at other speeds |
+//! | [`summary`] | counts and ranges of stored results |
 
 mod agreement;
 mod arguments;
@@ -21,6 +22,7 @@ mod figures;
 mod identification;
 mod reduction;
 mod sampling;
+mod summary;
 mod validate;
 
 use arguments::{Cli, Command};
@@ -67,6 +69,7 @@ fn main() -> ExitCode {
         Command::Agreement(args) => agree(&context, &args),
         Command::Identification(args) => carry(&context, &args, &told),
         Command::Figures(args) => quote(&context, &args),
+        Command::Summary { files } => summary(&context, &files),
     });
     terminal::end(&context, &told, done)
 }
@@ -82,7 +85,7 @@ fn agree(context: &Context, args: &arguments::Agreement) -> Result<CommandResult
         )));
     }
     let program = agreement::next_to_this();
-    let file = args.out.join("agreement.md");
+    let file = args.out.join("agreement.csv");
     let mut rows: Vec<agreement::Row> = Vec::new();
     for number in first..=last {
         let of = agreement::scene(number).map_err(|e| Refusal::Failed(e.to_string()))?;
@@ -97,7 +100,8 @@ fn agree(context: &Context, args: &arguments::Agreement) -> Result<CommandResult
             }
         ));
         rows.push(row);
-        std::fs::write(&file, agreement::table(&rows)).map_err(fail)?;
+        let csv = agreement::csv(&rows).map_err(|e| fail(e.into()))?;
+        std::fs::write(&file, csv).map_err(fail)?;
     }
     let contradicted = rows.iter().filter(|r| !r.contradictions.is_empty()).count();
     let undecided = |i: usize| rows.iter().filter(|r| r.undecided()[i]).count();
@@ -133,9 +137,17 @@ fn quote(context: &Context, args: &arguments::Figures) -> Result<CommandResult, 
         context.messages.print_line(&difference.to_string());
     }
     context.messages.print_line(&format!(
-        "{} figures of the documents changed",
+        "{} figures and rows of the documents changed",
         changed.len()
     ));
+    Ok(CommandResult::done())
+}
+
+/// Prints counts and ranges of stored results.
+fn summary(context: &Context, files: &[std::path::PathBuf]) -> Result<CommandResult, Refusal> {
+    for line in summary::lines(files).map_err(Refusal::Failed)? {
+        context.messages.print_line(&line);
+    }
     Ok(CommandResult::done())
 }
 
@@ -288,12 +300,15 @@ fn validate(
     let name = args.set.as_str();
     let mut set = sampling::set(name).map_err(refuse_sample)?;
     set.full_order = args.full_order.unwrap_or(set.full_order);
-    let scenes = args.scenes.unwrap_or([1, set.scenes]);
-    if scenes[1] > set.scenes {
+    let scenes = match &args.scenes {
+        Some(some) => some.0.clone(),
+        None => (1..=set.scenes).collect(),
+    };
+    if let Some(number) = scenes.iter().find(|n| **n > set.scenes) {
         return Err(refuse_sample(SampleError::Number {
-            set: set.name,
+            number: *number,
             last: set.scenes,
-            number: scenes[1],
+            set: set.name,
         }));
     }
     let output = Output {
@@ -310,10 +325,10 @@ fn validate(
     let runner = folder.runner(&silent);
     let plan = Plan {
         set: set.clone(),
-        scenes,
+        scenes: scenes.clone(),
         threads: args.threads as usize,
     };
-    let total = scenes[1] - scenes[0] + 1;
+    let total = scenes.len();
     let display = Display::new(total);
     let choices = check(&plan, &runner, |row, done| {
         display.report_progress(done, total, &format!("{}: {}", row.scene, row.outcome));
@@ -334,7 +349,7 @@ fn validate(
         part: Part::ChoiceCheck(CheckRecord { choices }),
         settings: vec![
             ("seed".into(), set.seed.to_string()),
-            ("scenes".into(), format!("{} to {}", scenes[0], scenes[1])),
+            ("scenes".into(), in_words(&scenes)),
             (
                 "against full finite elements as well".into(),
                 format!(
@@ -358,6 +373,16 @@ fn validate(
         .messages
         .print_line(&format!("candidates: {}", path.display()));
     Ok(answer)
+}
+
+/// Numbers in the form of the command line, `1..5, 18`.
+fn in_words(ascending: &[usize]) -> String {
+    let spans = ascending.chunk_by(|a, b| a + 1 == *b);
+    let span = |of: &[usize]| match of {
+        [first, .., last] => format!("{first}..{last}"),
+        _ => of.iter().map(usize::to_string).collect(),
+    };
+    spans.map(span).collect::<Vec<_>>().join(", ")
 }
 
 fn exit(results: &Results) -> Exit {

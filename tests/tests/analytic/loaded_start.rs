@@ -83,7 +83,8 @@ fn loads_that_balance_accelerate_nothing() {
         let (touching, _) = at_start(&mut scene(name, label, false, &[]).unwrap());
         let (left, forces) = at_start(&mut scene(name, label, true, &[]).unwrap());
         println!(
-            "{name} {label}: {left:.1e} beside {touching:.1e} of touching flanks, {forces:?} N"
+            "{name} {label}: {left:.1e} beside {touching:.1e} of touching flanks, ratio {:.1e}, {forces:?} N",
+            left / touching
         );
         assert!(
             left < 1e-6 * touching,

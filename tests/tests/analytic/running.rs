@@ -150,6 +150,7 @@ fn slices_share_stiffness_and_damping() {
     ] {
         for model in [rigid(), movable(8e8, 8e-3, 0.0)] {
             let mut first: Option<[f64; 3]> = None;
+            let mut worst = 0.0_f64;
             for slices in [1, 4, 16, 64] {
                 let contact = ContactSpec {
                     slices: Some(slices),
@@ -160,6 +161,9 @@ fn slices_share_stiffness_and_damping() {
                     run(&mut scene, "dopri5", Resolution::Tolerance(1e-10), 3e-4).unwrap("impact");
                 let got = [o.state.v[0], o.peak, o.ledger.dissipated];
                 let want = *first.get_or_insert(got);
+                for i in [0, 2] {
+                    worst = worst.max((got[i] / want[i] - 1.0).abs());
+                }
                 // The peak is that of accepted steps, which a vibrating tooth places a little elsewhere.
                 for ((got, want), allowed) in got.iter().zip(want).zip([1e-6, 1e-5, 1e-6]) {
                     assert!(
@@ -169,6 +173,10 @@ fn slices_share_stiffness_and_damping() {
                     );
                 }
             }
+            println!(
+                "{damping:?} {}: speeds and losses of 1 to 64 slices agree within {worst:.1e}",
+                model.id
+            );
         }
     }
 }

@@ -102,6 +102,12 @@ fn a_pair_swings_on_its_mesh() {
         assert!((zeta / exact - 1.0).abs() < 1e-8, "{zeta} for {exact}");
         assert!((found.modes[1].strain[0] - 1.0).abs() < 1e-12);
         assert_eq!(found.modes[1].name, "mesh pinion - wheel");
+        println!(
+            "pair under load: frequency off by {:.1e}, mesh force by {:.1e}, damping ratio by {:.1e}",
+            (f * TAU / omega - 1.0).abs(),
+            (pairs - 1.0).abs(),
+            (zeta / exact - 1.0).abs()
+        );
         let share = r1 * r1 / j1 / yielding;
         assert!((found.modes[1].kinetic[0] - share).abs() < 1e-9);
     }
@@ -213,6 +219,7 @@ fn rigid_shafts_have_no_frequency() {
         (1, 3, 2)
     );
     let ratio = joined.modes[1].frequency_hz / one.modes[1].frequency_hz;
+    println!("rigid shaft: frequency off by {:.1e}", (ratio - 1.0).abs());
     assert!((ratio - 1.0).abs() < 1e-10, "{ratio}");
 }
 
@@ -327,6 +334,10 @@ fn planets_swing_in_pairs() {
             (k * rp * rp / jp).sqrt() / TAU,
             (k * (3.0 * rs * rs / js + rp * rp / jp)).sqrt() / TAU,
         ];
+        println!(
+            "planets, carrier held {held}: frequency off by {:.1e}",
+            (f[0] / exact[0] - 1.0).abs()
+        );
         assert!((f[0] / exact[0] - 1.0).abs() < 1e-6, "{f:?} for {exact:?}");
         let multiplicities: Vec<usize> = found.modes.iter().map(|m| m.multiplicity).collect();
         assert_eq!(multiplicities, [if held { 1 } else { 2 }, 2, 1]);

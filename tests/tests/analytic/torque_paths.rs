@@ -58,7 +58,7 @@ fn member<'p>(paths: &'p TorquePaths, name: &str) -> &'p MemberPath {
 
 fn near(what: &str, found: f64, wanted: f64, within: f64) {
     println!(
-        "{what}: {found:.9} {wanted:.9} {:+.1e}",
+        "{what}: {found:.9}, closed form {wanted:.9}, relative difference {:+.1e}",
         found / wanted - 1.0
     );
     assert!(
@@ -68,13 +68,18 @@ fn near(what: &str, found: f64, wanted: f64, within: f64) {
 }
 
 /// Checks that input less output, dissipated and stored power balance, as in the ledger of the run.
-fn balances(run: &Run, within: f64) {
+fn balances(what: &str, run: &Run, within: f64) {
     let (p, ledger) = (paths(run), &run.ledger);
     let work = p.work_in_j - p.work_out_j;
     let external = ledger.external_work_j.unwrap();
     println!(
-        "in {} out {} dissipated {} stored {} not explained {:.1e} of {:.3e} J, ledger {external}",
-        p.work_in_j, p.work_out_j, p.dissipated_j, p.stored_j, p.unexplained_j, p.work_in_j
+        "{what}: in {} out {} dissipated {} stored {}, not explained {:.1e} of the work of {:.3e} J, ledger {external}",
+        p.work_in_j,
+        p.work_out_j,
+        p.dissipated_j,
+        p.stored_j,
+        p.unexplained_j / p.work_in_j,
+        p.work_in_j
     );
     assert!(
         (work - external).abs() < within * p.work_in_j,
@@ -149,7 +154,7 @@ fn an_idler_hands_the_force_on() {
     assert!(
         member(p, "idler").contact_nm.abs() < 1e-6 && p.sharing.is_empty() && p.shafts.is_empty()
     );
-    balances(&run, 1e-9);
+    balances("idler train", &run, 1e-9);
 }
 
 /// Two steps, 20/40 and 18/36 teeth, with a rigid shaft between: torque four times, its shaft carries twice. What comes in by the
@@ -191,7 +196,7 @@ fn a_compound_train_multiplies_its_torque() {
     );
     near("share", b.share.unwrap(), 1.0, 1e-8);
     // A drive's work is a sum over samples, the start with its knocks in it.
-    balances(&run, 5e-5);
+    balances("train with a drive", &run, 5e-5);
 }
 
 /// The set of `planets/sharing.rs` in motion: a pin that is off by `e` along its circle shifts the forces by
@@ -307,6 +312,6 @@ fn planets_share_as_the_closed_form_says() {
             .flat_map(|c| &c.values)
             .fold(0.0_f64, |m, x| m.max(x.abs()));
         assert!(greatest > 1e-7 && greatest < 3e-5, "{greatest}");
-        balances(&run, 1e-9);
+        balances("planetary set", &run, 1e-9);
     }
 }

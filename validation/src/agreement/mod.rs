@@ -14,9 +14,9 @@ mod scenes;
 
 pub use scenes::{SCENES, UserScene, scene};
 
+use gearbench::experiment::machine;
 use gearbench_reports::record::{Part, Results, Run};
 use gearbench_reports::{Adequacy, Verdict, finding, load_results, yardstick_of};
-use std::fmt::Write as _;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -47,6 +47,27 @@ pub struct Row {
 const BOUNDS: [&str; 2] = ["--timeout", "20"];
 /// Budget of processor time of a choice [s].
 const BUDGET: &str = "120";
+
+/// Exit code of a command that refuses its scene.
+const REFUSED: i32 = 2;
+/// Columns of the table; the commit is that of the program that ran the scene.
+const COLUMNS: [&str; 15] = [
+    "commit",
+    "scene",
+    "kind",
+    "metric",
+    "tolerance",
+    "compare_exit",
+    "compare_yardstick_rel",
+    "compare_rigid",
+    "compare_elastic",
+    "choose_exit",
+    "choose_yardstick_rel",
+    "choose_answer",
+    "choose_own_rigid",
+    "contradictions",
+    "reason",
+];
 
 /// Runs both commands on a scene in a folder of its own and compares their records.
 ///
@@ -253,54 +274,49 @@ impl Row {
     }
 }
 
-/// The table of all rows in Markdown.
-pub fn table(rows: &[Row]) -> String {
-    let mut text = String::from(
-        "| scene | kind | metric, tolerance | compare: yardstick's error | rigid | elastic | choose: yardstick's error | answer | own rigid gears | contradictions |\n|---|---|---|---|---|---|---|---|---|---|\n",
-    );
-    let per_cent = |e: Option<f64>| e.map_or("not known".into(), |e| format!("{:.2} %", 100.0 * e));
+/// All rows as CSV, after a line with the command.
+///
+/// # Errors
+/// [`csv::Error`]: a row that cannot be written.
+pub fn csv(rows: &[Row]) -> Result<Vec<u8>, csv::Error> {
+    let mut out = csv::Writer::from_writer(b"# gearbench-validation agreement\n".to_vec());
+    out.write_record(COLUMNS)?;
+    let number = |x: Option<f64>| x.map_or_else(String::new, |x| format!("{x:.6e}"));
+    let code = |x: Option<i32>| x.map_or_else(String::new, |x| x.to_string());
     for r in rows {
         let of = |label: &str| {
-            let found = r
-                .models
-                .iter()
-                .find(|(l, _)| l == label)
-                .and_then(|(_, a)| *a);
-            found.map_or_else(|| "no run".to_owned(), |a| a.to_string())
+            let found = r.models.iter().find(|(l, _)| l == label);
+            let answer = found.and_then(|(_, a)| *a);
+            answer.map_or_else(|| "no run".to_owned(), |a| a.to_string())
         };
         let answer = match &r.choice {
             (Some(Verdict::Adequate), level) => level.clone(),
             (Some(verdict), _) => verdict.to_string(),
-            (None, _) => format!("exit code {:?}", r.codes[1]),
+            (None, _) if r.codes[1] == Some(REFUSED) => "refused".to_owned(),
+            (None, _) => "no answer".to_owned(),
         };
-        let own = r
-            .own_rigid
-            .map_or_else(|| "not run".to_owned(), |a| a.to_string());
-        let _ = writeln!(
-            text,
-            "| {} | {} | {}, {} | {} | {} | {} | {} | {answer} | {own} | {} |",
-            r.number,
-            r.kind,
-            r.metric,
-            r.tolerance,
-            per_cent(r.yardstick[0]),
+        out.write_record([
+            machine::header("", "", "").commit,
+            r.number.to_string(),
+            r.kind.to_owned(),
+            r.metric.to_owned(),
+            r.tolerance.to_string(),
+            code(r.codes[0]),
+            number(r.yardstick[0]),
             of("rigid"),
             of("elastic"),
-            per_cent(r.yardstick[1]),
-            match r.contradictions.is_empty() {
-                true => "none".into(),
-                false => r.contradictions.join("; "),
-            }
-        );
+            code(r.codes[1]),
+            number(r.yardstick[1]),
+            answer,
+            r.own_rigid.map_or_else(String::new, |a| a.to_string()),
+            r.contradictions.join("; "),
+            match r.undecided().contains(&true) {
+                true => r.reason.clone(),
+                false => String::new(),
+            },
+        ])?;
     }
-    let reasons: Vec<String> = (rows.iter())
-        .filter(|r| r.undecided().contains(&true) && !r.reason.is_empty())
-        .map(|r| format!("- scene {}: {}", r.number, r.reason))
-        .collect();
-    if !reasons.is_empty() {
-        let _ = writeln!(text, "\nNot decided:\n\n{}", reasons.join("\n"));
-    }
-    text
+    out.into_inner().map_err(|e| e.into_error().into())
 }
 
 /// The path of the program `gearbench` in the folder of this program.

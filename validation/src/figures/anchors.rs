@@ -92,7 +92,7 @@ pub fn anchors(text: &str) -> Result<Vec<Anchor>, String> {
 }
 
 /// Splits a text into number and unit; the unit of a plain number is 1.
-fn without_unit(text: &str) -> (&str, f64) {
+pub fn without_unit(text: &str) -> (&str, f64) {
     let of = |(name, factor): &(&str, f64)| {
         let rest = text.strip_suffix(name)?.strip_suffix(' ')?;
         number_at_end(rest).map(|_| (rest, *factor))
@@ -141,28 +141,32 @@ impl Anchor {
     pub fn rounded(&self, stored: f64) -> String {
         let signed = self.printed.starts_with(['-', '+']);
         let x = stored / self.unit;
-        let x = if signed { x } else { x.abs() };
-        let (mantissa, exponent) = match self.printed.split_once('e') {
-            Some((m, _)) => (m, true),
-            None => (self.printed.as_str(), false),
-        };
-        let decimals = mantissa.split_once('.').map_or(0, |(_, d)| d.len());
-        if exponent {
-            return format!("{x:.decimals$e}");
-        }
-        let mut text = match decimals {
-            0 => format!("{:.0}", whole(mantissa, x)),
-            d => format!("{x:.d$}"),
-        };
-        if self.printed.contains(',') {
-            let digits = text.find('.').unwrap_or(text.len());
-            let first = usize::from(text.starts_with('-'));
-            for i in (first + 1..digits).rev().filter(|i| (digits - i) % 3 == 0) {
-                text.insert(i, ',');
-            }
-        }
-        text
+        in_form(&self.printed, if signed { x } else { x.abs() })
     }
+}
+
+/// Formats a value in the form of a printed number: as many decimals, or as many significant digits of an integer.
+pub fn in_form(printed: &str, x: f64) -> String {
+    let (mantissa, exponent) = match printed.split_once('e') {
+        Some((m, _)) => (m, true),
+        None => (printed, false),
+    };
+    let decimals = mantissa.split_once('.').map_or(0, |(_, d)| d.len());
+    if exponent {
+        return format!("{x:.decimals$e}");
+    }
+    let mut text = match decimals {
+        0 => format!("{:.0}", whole(mantissa, x)),
+        d => format!("{x:.d$}"),
+    };
+    if printed.contains(',') {
+        let digits = text.find('.').unwrap_or(text.len());
+        let first = usize::from(text.starts_with('-'));
+        for i in (first + 1..digits).rev().filter(|i| (digits - i) % 3 == 0) {
+            text.insert(i, ',');
+        }
+    }
+    text
 }
 
 /// Rounds a value to as many significant digits as a printed integer has.

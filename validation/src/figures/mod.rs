@@ -4,13 +4,15 @@
 //! |---|---|
 //! | `validation/figures.toml` | the commands that measure figures, and where each is in their records or output ([`sources`]) |
 //! | `validation/results/figures.json` | the stored values with command, commit, time and processor |
-//! | `README.md`, `docs/**/*.md` | the figures, each with the name of its stored value in a comment ([`anchors`]) |
+//! | `validation/results/*.csv` | the results of long computations, a line for each case |
+//! | `README.md`, `docs/**/*.md` | the figures, each with the name of its stored value in a comment ([`anchors`]), and tables with the name of their file ([`tables`]) |
 //!
 //! `gearbench-validation figures` measures them again, stores them and writes them into the documents. A test compares the
 //! documents with the stored values.
 
 mod anchors;
 mod sources;
+mod tables;
 
 use anchors::{anchors, with_figures};
 use gearbench::experiment::machine;
@@ -19,6 +21,7 @@ use sources::sources;
 use std::collections::BTreeMap;
 use std::fmt;
 use std::path::{Path, PathBuf};
+use tables::tables;
 
 /// Path of the stored values in the repository.
 const STORED: &str = "validation/results/figures.json";
@@ -38,14 +41,14 @@ struct MeasuredValues {
 #[serde(transparent)]
 pub struct Figures(BTreeMap<String, MeasuredValues>);
 
-/// A figure of a document that differs from the stored one.
+/// A figure, or a row of a table, that differs from the stored one.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Difference {
     file: PathBuf,
     line: usize,
     id: String,
     printed: String,
-    /// The stored value, rounded as the document prints it; `None` where no value is stored.
+    /// The stored value, rounded as the document prints it, or the row; `None` where nothing is stored.
     stored: Option<String>,
 }
 
@@ -125,12 +128,13 @@ impl Figures {
         self.0.get(source)?.values.get(key).copied()
     }
 
-    /// Returns the figures of a document that differ from the stored ones.
+    /// Returns the figures and rows of a document that differ from the stored ones.
     ///
     /// # Errors
-    /// A comment that names no figure, with its place.
-    fn differences(&self, file: &Path, text: &str) -> Result<Vec<Difference>, String> {
-        let found = anchors(text).map_err(|e| format!("{}, {e}", file.display()))?;
+    /// A comment that names no figure or no table, with its place; a file of a table that cannot be read.
+    fn differences(&self, root: &Path, file: &Path, text: &str) -> Result<Vec<Difference>, String> {
+        let fail = |e: String| format!("{}, {e}", file.display());
+        let found = anchors(text).map_err(fail)?;
         let differs = |a: anchors::Anchor| {
             let stored = self.get(&a.id).map(|x| a.rounded(x));
             (stored.as_ref() != Some(&a.printed)).then_some(Difference {
@@ -141,19 +145,45 @@ impl Figures {
                 stored,
             })
         };
-        Ok(found.into_iter().filter_map(differs).collect())
+        let mut all: Vec<Difference> = found.into_iter().filter_map(differs).collect();
+        for table in tables(text).map_err(fail)? {
+            let stored = table.rows(root).map_err(fail)?;
+            let printed: Vec<&str> = text[table.at.clone()].lines().collect();
+            for i in 0..stored.len().max(printed.len()) {
+                let (printed, stored) = (printed.get(i), stored.get(i));
+                if printed.copied() != stored.map(String::as_str) {
+                    all.push(Difference {
+                        file: file.to_path_buf(),
+                        line: table.line + i,
+                        id: table.file.clone(),
+                        printed: printed.map_or("missing", |row| row).to_owned(),
+                        stored: stored.cloned(),
+                    });
+                }
+            }
+        }
+        Ok(all)
     }
 
     /// Writes the stored values into all documents and returns the previous differences.
     ///
     /// # Errors
-    /// A document that cannot be read or written, or a comment that names no figure.
+    /// A document that cannot be read or written, or a comment that names no figure or no table.
     pub fn write(&self, root: &Path) -> Result<Vec<Difference>, String> {
         let mut all = Vec::new();
         for (path, text) in documents(root)? {
-            let differences = self.differences(&path, &text)?;
+            let differences = self.differences(root, &path, &text)?;
             if !differences.is_empty() {
-                let new = with_figures(&text, &anchors(&text)?, |id| self.get(id));
+                let mut new = with_figures(&text, &anchors(&text)?, |id| self.get(id));
+                // From the last table to the first, as rows may become longer.
+                for table in tables(&new)?.iter().rev() {
+                    let rows = table
+                        .rows(root)?
+                        .iter()
+                        .map(|r| format!("{r}\n"))
+                        .collect::<String>();
+                    new.replace_range(table.at.clone(), &rows);
+                }
                 let path = root.join(&path);
                 std::fs::write(&path, new).map_err(|e| format!("{}: {e}", path.display()))?;
             }
@@ -190,6 +220,7 @@ fn documents(root: &Path) -> Result<Vec<(PathBuf, String)>, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::ops::Range;
 
     #[test]
     fn documents_quote_the_stored_figures() {
@@ -197,7 +228,7 @@ mod tests {
         let figures = Figures::load(&root).unwrap();
         let mut quoted = Vec::new();
         for (path, text) in documents(&root).unwrap() {
-            let differences = figures.differences(&path, &text).unwrap();
+            let differences = figures.differences(&root, &path, &text).unwrap();
             assert!(
                 differences.is_empty(),
                 "{}\n`cargo run --release -p gearbench-validation -- figures --text` writes the stored figures",
@@ -217,29 +248,52 @@ mod tests {
         }
     }
 
+    /// Returns the text with another digit in a range, in the last place with a digit from 1 to 9, if any.
+    fn changed(text: &str, at: Range<usize>) -> String {
+        let last = text[at.clone()].rfind(|c: char| matches!(c, '1'..='9'));
+        let last = last.or_else(|| text[at.clone()].rfind('0')).unwrap();
+        let last = at.start + last;
+        let other = if text[last..].starts_with('9') {
+            "8"
+        } else {
+            "9"
+        };
+        let mut changed = text.to_owned();
+        changed.replace_range(last..=last, other);
+        changed
+    }
+
     #[test]
     fn a_changed_digit_is_found() {
         let root = repository();
         let figures = Figures::load(&root).unwrap();
+        let found = |path: &Path, text: &str| {
+            let found = figures.differences(&root, path, text).unwrap();
+            assert_eq!(found.len(), 1, "{}: {found:?}", path.display());
+            (found[0].id.clone(), found[0].line)
+        };
+        let mut rows = 0;
         for (path, text) in documents(&root).unwrap() {
             for anchor in anchors(&text).unwrap() {
-                let last = anchor
-                    .printed
-                    .rfind(|c: char| matches!(c, '1'..='9'))
-                    .unwrap();
-                let at = anchor.at.start + last;
-                let other = if text[at..].starts_with('9') {
-                    "8"
-                } else {
-                    "9"
-                };
-                let mut changed = text.clone();
-                changed.replace_range(at..=at, other);
-                let found = figures.differences(&path, &changed).unwrap();
-                assert_eq!(found.len(), 1, "{}: {anchor:?}", path.display());
-                assert_eq!(found[0].id, anchor.id);
+                let other = changed(&text, anchor.at.clone());
+                assert_eq!(found(&path, &other), (anchor.id, anchor.line));
+            }
+            for table in tables(&text).unwrap() {
+                let mut start = table.at.start;
+                for (i, row) in text[table.at.clone()].split_inclusive('\n').enumerate() {
+                    let other = changed(&text, start..start + row.len());
+                    let place = (table.file.clone(), table.line + i);
+                    assert_eq!(found(&path, &other), place);
+                    let mut without = text.clone();
+                    without.replace_range(start..start + row.len(), "");
+                    let differences = figures.differences(&root, &path, &without).unwrap();
+                    assert!(!differences.is_empty(), "{place:?} may be missing");
+                    start += row.len();
+                    rows += 1;
+                }
             }
         }
+        assert!(rows > 0, "no document has a table of a file");
     }
 
     #[test]
@@ -254,5 +308,22 @@ mod tests {
             assert_eq!(keys, source.figures.keys().collect::<Vec<_>>());
         }
         assert_eq!(figures.0.len(), all.len());
+    }
+    #[test]
+    fn summaries_are_those_of_the_stored_results() {
+        let root = repository();
+        let figures = Figures::load(&root).unwrap();
+        let mut summaries = 0;
+        for source in sources().unwrap() {
+            let Some(files) = source.command.strip_prefix("gearbench-validation summary ") else {
+                continue;
+            };
+            let files: Vec<PathBuf> = files.split(' ').map(|file| root.join(file)).collect();
+            let lines = crate::summary::lines(&files).unwrap();
+            let values = source.printed(&lines.join("\n")).unwrap();
+            assert_eq!(figures.0[&source.name].values, values, "{}", source.name);
+            summaries += 1;
+        }
+        assert!(summaries > 0, "no figures come from a summary");
     }
 }

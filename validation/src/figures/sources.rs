@@ -13,6 +13,9 @@ const FILE: &str = include_str!("../../figures.toml");
 /// Place of the number in a pattern.
 const NUMBER: &str = "{}";
 
+/// Name of this program in command lines.
+const THIS: &str = "gearbench-validation";
+
 /// A command that measures figures.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -48,10 +51,11 @@ impl Source {
         let mut words = self.command.split_whitespace();
         let program = words.next().ok_or("an empty command")?;
         let records = program == "gearbench";
-        let program = if records {
-            gearbench
-        } else {
-            Path::new(program)
+        let this = std::env::current_exe().map_err(|e| e.to_string())?;
+        let program = match program {
+            "gearbench" => gearbench,
+            THIS => &this,
+            other => Path::new(other),
         };
         let mut command = Command::new(program);
         command.args(words).current_dir(root).stdin(Stdio::null());
@@ -79,7 +83,7 @@ impl Source {
     }
 
     /// Reads the figures from the output of the command.
-    fn printed(&self, output: &str) -> Result<BTreeMap<String, f64>, String> {
+    pub(super) fn printed(&self, output: &str) -> Result<BTreeMap<String, f64>, String> {
         self.each("output line with", |pattern| largest(output, pattern))
     }
 
@@ -124,7 +128,8 @@ fn number_in(line: &str, pattern: &str) -> Option<f64> {
 }
 
 /// The value at a path such as `runs[model=elastic;variant=].metrics[against=fe].force_l2`: names of members, and in
-/// brackets the first element of an array whose members have these values; an empty value is a missing member.
+/// brackets the first element of an array whose members have these values, where an empty value is a missing member, or
+/// the place of an element from 0.
 fn at<'v>(mut value: &'v Value, path: &str) -> Option<&'v Value> {
     for step in path.split('.') {
         let (name, condition) = match step.split_once('[') {
@@ -133,7 +138,11 @@ fn at<'v>(mut value: &'v Value, path: &str) -> Option<&'v Value> {
         };
         value = value.get(name)?;
         if let Some(condition) = condition {
-            value = value.as_array()?.iter().find(|of| is(of, condition))?;
+            let elements = value.as_array()?;
+            value = match condition.parse::<usize>() {
+                Ok(place) => elements.get(place)?,
+                Err(_) => elements.iter().find(|of| is(of, condition))?,
+            };
         }
     }
     Some(value)
@@ -171,6 +180,8 @@ mod tests {
         assert_eq!(number(path), Some(3.0));
         assert_eq!(number("runs[modes=100].metrics[against=fe].x"), Some(3.0));
         assert_eq!(number("runs[modes=50].x"), None);
+        assert_eq!(number("runs[1].metrics[0].x"), Some(3.0));
+        assert_eq!(number("runs[2].x"), None);
     }
 
     #[test]

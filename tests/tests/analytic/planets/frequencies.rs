@@ -164,6 +164,8 @@ fn hold(found: &[f64], printed: &[(&[f64], usize)], within: f64, what: &str) {
         .collect();
     wanted.sort_by(f64::total_cmp);
     assert_eq!(found.len(), wanted.len(), "{what}: {found:?}");
+    let worst = (found.iter().zip(&wanted)).fold(0.0_f64, |m, (f, w)| m.max((f - w).abs()));
+    println!("{what}: frequencies within {worst:.3e} of the printed ones");
     for (f, w) in found.iter().zip(&wanted) {
         println!("{what}: {f:.4} for {w}");
         assert!(
@@ -198,7 +200,12 @@ fn lin_and_parkers_planetary_gear() {
         let (spec, contacts) = scene_of(&LIN_PARKER, n);
         let found = found(&spec, &contacts[0]);
         let printed = [(rotational, 1), (translational, 2), (planet, n - 3)];
-        hold(&found, &printed, 0.065, &format!("{n} planets"));
+        hold(
+            &found,
+            &printed,
+            0.065,
+            &format!("Lin and Parker, {n} planets"),
+        );
     }
 }
 
@@ -230,7 +237,12 @@ fn cooley_and_parkers_planetary_gear() {
             .map(|f| f / unit)
             .collect();
         let printed = [(rotational, 1), (translational, 2), (planet, n - 3)];
-        hold(&found, &printed, 5.5e-4, &format!("{n} planets"));
+        hold(
+            &found,
+            &printed,
+            5.5e-4,
+            &format!("Cooley and Parker, {n} planets"),
+        );
     }
 }
 

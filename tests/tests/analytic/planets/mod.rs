@@ -192,13 +192,18 @@ fn forces_are_slopes_of_the_energy() {
                 scene.force(s.at(), &mut f);
                 let largest = f.iter().fold(0.0_f64, |m, f| m.max(f.abs()));
                 assert!(largest > 10.0, "{name}, {what}: nothing presses");
+                let mut worst = 0.0_f64;
                 for (i, f) in f.iter().enumerate() {
                     let by_energy = slope(&mut scene, &s, i, 1e-8);
+                    worst = worst.max((f - by_energy).abs() / largest);
                     assert!(
                         (f - by_energy).abs() < 2e-6 * largest,
                         "{name}, {what}, turned by {turn}: coordinate {i}, {f} beside {by_energy}"
                     );
                 }
+                println!(
+                    "{name}, {what}, turned by {turn} rad: forces off slopes of the energy by {worst:.1e} of the largest"
+                );
             }
         }
     }
@@ -216,6 +221,8 @@ fn contact_and_pins_add_no_momentum() {
         scene.solve_mass(s.at(), &mut f);
         let acceleration = State { v: f, ..s };
         let rates = momenta(&mut scene, &acceleration);
+        let worst = rates.iter().fold(0.0_f64, |m, r| m.max(r.abs())) / largest;
+        println!("{name}: contact and pins add momentum of {worst:.1e} of the largest force");
         for rate in rates {
             assert!(
                 rate.abs() < 1e-11 * largest,
@@ -246,8 +253,10 @@ fn an_impact_of_a_floating_set_keeps_energy_and_momentum() {
                     "{name}, {what}: no impact, {} N",
                     end.peak
                 );
+                let mut gained = 0.0_f64;
                 for (a, b) in after.iter().zip(&before.0) {
                     let scale = before.0[2].abs();
+                    gained = gained.max((a - b).abs() / scale);
                     assert!(
                         (a - b).abs() < 1e-11 * scale,
                         "{name}, {what}, {method}: {after:?} {:?}",
@@ -256,6 +265,10 @@ fn an_impact_of_a_floating_set_keeps_energy_and_momentum() {
                 }
                 let now: f64 = energy(&mut scene, end.state.at()).iter().sum();
                 let was: f64 = before.1.iter().sum();
+                println!(
+                    "{name}, {what}, {method}: impact of a floating set, momentum changes by {gained:.1e}, energy by {:.1e}",
+                    (now / was - 1.0).abs()
+                );
                 assert!(
                     (now - was).abs() < 1e-5 * was,
                     "{name}, {what}, {method}: {was} J, {now} J"
@@ -283,13 +296,19 @@ fn a_held_carrier_is_a_train_on_fixed_axes() {
         let ends =
             [&mut plain, &mut held].map(|s| run(s, "dopri5", tolerance, 1e-3).unwrap(name).state);
         let n = plain.initial().q.len();
+        let fastest = ends[0].v.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+        let mut worst = 0.0_f64;
         for i in 0..n {
             let (a, b) = (ends[0].v[i], ends[1].v[i]);
+            worst = worst.max((a - b).abs() / fastest);
             assert!(
                 (a - b).abs() < 1e-6 * 30.0,
                 "{name}: speed {i}, {a} and {b}"
             );
         }
+        println!(
+            "{name}: a held carrier and fixed axes, speeds differ by {worst:.1e} of the fastest"
+        );
         // Its link holds it with the torque that the planets exert on their pins.
         assert!(ends[1].q[n].abs() < 1e-15 && ends[1].v[n].abs() < 1e-15);
     }
@@ -309,6 +328,11 @@ fn a_set_that_turns_as_a_whole_meshes_alike() {
         let tolerance = Resolution::Tolerance(1e-11);
         let [a, b] =
             [&mut still, &mut turning].map(|s| run(s, "dopri5", tolerance, t).unwrap(name));
+        let differences = (a.state.v.iter().zip(&b.state.v)).map(|(a, b)| (b - a - 50.0).abs());
+        println!(
+            "{name}: a set that rotates as a whole, speeds differ by {:.1e} rad/s",
+            differences.fold(0.0, f64::max)
+        );
         for (i, (a, b)) in a.state.v.iter().zip(&b.state.v).enumerate() {
             assert!(
                 (b - a - 50.0).abs() < 3e-6,

@@ -147,16 +147,19 @@ fn transmission_error_over_meshes() {
                 });
                 let fine = &cycles[3].1;
                 let what = ["elements in contact", "half-spaces"][usize::from(on_half_spaces)];
-                println!("{name}, {:.0} N/mm, {what}, in um", load / 1e3);
                 for (elements, c) in &cycles {
                     let mean = c.mean_error();
                     let positions = c.positions.iter().zip(&fine.positions);
                     let varies = range(positions.map(|(p, fine)| p.approach - fine.approach));
                     let ripple = ripple(c);
                     println!(
-                        "    {elements:>2} elements: mean {:.4}, peak to peak {:.4}, ripple {}, difference from 48 varies by {:.4}",
+                        "{name}, {:.0} N/mm, {what}, {elements} elements: mean {:.4} um (from 48 by {:.2e}), peak to peak {:.4} um (from 48 by {:.2e}), \
+                         ripple {} um, difference from 48 varies by {:.4} um",
+                        load / 1e3,
                         1e6 * mean,
+                        (mean / fine.mean_error() - 1.0).abs(),
                         1e6 * c.peak_to_peak(),
+                        (c.peak_to_peak() / fine.peak_to_peak() - 1.0).abs(),
                         ripple.map_or("-".into(), |r| format!("{:.4}", 1e6 * r)),
                         1e6 * varies
                     );
@@ -189,10 +192,12 @@ fn lines_have_the_pressure_of_hertz() {
         let half_width = (4.0 * radius * load / (std::f64::consts::PI * modulus)).sqrt();
         let peak = (load * modulus / (std::f64::consts::PI * radius)).sqrt();
         println!(
-            "{:.0} N/mm: {:.4} mm, {:.1} MPa",
+            "{:.0} N/mm: half-width {:.4} mm, off Hertz by {:.1e}, pressure {:.1} MPa, off by {:.1e}",
             load / 1e3,
             1e3 * found.half_width,
-            1e-6 * found.peak
+            (found.half_width / half_width - 1.0).abs(),
+            1e-6 * found.peak,
+            (found.peak / peak - 1.0).abs()
         );
         assert!((found.half_width / half_width - 1.0).abs() < 1e-3);
         assert!((found.peak / peak - 1.0).abs() < 1e-3);

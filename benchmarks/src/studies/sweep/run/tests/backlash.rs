@@ -192,6 +192,10 @@ impl Gears {
 fn near(ws: &[f64], found: &[f64], known: &[(f64, f64)], tolerance: f64) {
     for (w, rms) in known {
         let i = ws.iter().position(|x| x == w).unwrap();
+        println!(
+            "backlash oscillator, W = {w}: root mean square off by {:.1e} of half the backlash",
+            (found[i] - rms).abs()
+        );
         assert!(
             (found[i] - rms).abs() < tolerance,
             "W = {w}: {} {rms}",
