@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import dataclasses
 import os
 from typing import Any, ClassVar
@@ -18,6 +19,13 @@ def _scalars(of: Any) -> dict[str, Any]:
     """Return the fields of a record that are numbers or texts."""
     fields = ((f.name, getattr(of, f.name)) for f in dataclasses.fields(of))
     return {name: value for name, value in fields if isinstance(value, SCALARS)}
+
+
+def _column(texts: list[str]) -> Any:
+    try:
+        return np.array([float(t) if t else np.nan for t in texts])
+    except ValueError:
+        return np.array(texts)
 
 
 def _is_record(value: Any) -> bool:
@@ -100,7 +108,7 @@ class StudyResult(RecordBase):
         path: str = self._native.report(os.fspath(folder), series)
         return path
 
-    def rows(self, of: str | None = None) -> list[dict[str, Any]]:
+    def to_rows(self, of: str | None = None) -> list[dict[str, Any]]:
         """Return a table of the record as a list of rows.
 
         Parameters
@@ -108,10 +116,11 @@ class StudyResult(RecordBase):
         of : str, optional
             Name of the list; the runs, or else the first list of the study, if it is left out.
         """
-        if of is None:
-            of = self._main()
+        if of is None and getattr(self, "study", "") == "scan":
+            columns = self.to_columns()
+            return [dict(zip(columns, row)) for row in zip(*(x.tolist() for x in columns.values()))]
         rows = []
-        for entry in getattr(self, of) if of else []:
+        for entry in self._main() if of is None else getattr(self, of):
             row = dict(entry) if isinstance(entry, dict) else _scalars(entry)
             for metrics in getattr(entry, "metrics", []):
                 values = _scalars(metrics)
@@ -120,23 +129,44 @@ class StudyResult(RecordBase):
             rows.append(row)
         return rows
 
-    def _main(self) -> str:
+    def to_columns(self) -> dict[str, Any]:
+        """Return the table of a scan, a row for each run.
+
+        Returns
+        -------
+        dict of str to ndarray
+            Columns of `cells.csv`: numbers as floats, other columns as texts.
+        """
+        if self.folder is None:
+            raise ValueError("the study has no folder with a table of cells")
+        with open(os.path.join(self.folder, "cells.csv"), encoding="utf-8", newline="") as file:
+            rows = list(csv.reader(file))
+        names, rows = rows[0], rows[1:]
+        return {name: _column([row[i] for row in rows]) for i, name in enumerate(names)}
+
+    def _main(self) -> list[Any]:
         if getattr(self, "runs", []):
-            return "runs"
-        others = ("references", "measured", "mesh_modes", "runs")
-        for f in dataclasses.fields(self):  # type: ignore[arg-type]
-            value = getattr(self, f.name)
-            if f.name not in others and isinstance(value, list) and value:
-                if _is_record(value[0]) or isinstance(value[0], dict):
-                    return f.name
-        return ""
+            return list(getattr(self, "runs"))
+        others = ("references", "measured", "mesh_modes", "runs", "machine", "source", "tolerance")
+        parts = [self]
+        for part in parts:
+            for f in dataclasses.fields(part):  # type: ignore[arg-type]
+                value = getattr(part, f.name)
+                if part is self and f.name in others:
+                    continue
+                if isinstance(value, list) and value:
+                    if _is_record(value[0]) or isinstance(value[0], dict):
+                        return value
+                elif _is_record(value):
+                    parts.append(value)
+        return []
 
     def to_pandas(self, of: str | None = None) -> Any:
-        """Return a table of the record as a DataFrame (needs pandas); see `rows`."""
-        return _import("pandas", "to_pandas").DataFrame(self.rows(of))
+        """Return a table of the record as a DataFrame (needs pandas); see `to_rows`."""
+        return _import("pandas", "to_pandas").DataFrame(self.to_rows(of))
 
     def to_xarray(self, of: str | None = None) -> Any:
-        """Return a table of the record as a Dataset (needs xarray); see `rows`."""
+        """Return a table of the record as a Dataset (needs xarray); see `to_rows`."""
         _import("xarray", "to_xarray")
         return self.to_pandas(of).to_xarray()
 
@@ -146,7 +176,7 @@ class StudyResult(RecordBase):
         Parameters
         ----------
         x, y : str, optional
-            Columns of `rows`. Without them the histories of the runs are drawn.
+            Columns of `to_rows`. Without them the histories of the runs are drawn.
 
         Returns
         -------
@@ -162,7 +192,7 @@ class StudyResult(RecordBase):
                     label = f"{run.model}, {run.integrator}"
                     run.series.plot(name, ax=ax, label=label)
             return ax
-        rows = self.rows()
+        rows = self.to_rows()
         numbers = [k for k, v in rows[0].items() if isinstance(v, float)] if rows else []
         x, y = x or (numbers[0] if numbers else None), y or (numbers[1] if numbers[1:] else None)
         if x is None or y is None:
@@ -174,7 +204,7 @@ class StudyResult(RecordBase):
         return ax
 
     def _repr_html_(self) -> str:
-        rows = self.rows()
+        rows = self.to_rows()
         names: list[str] = []
         for row in rows:
             names += [n for n in row if n not in names]

@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from . import _native, studies
+from ._pending import PendingRun
 from .errors import RunFailed, SceneWarning
 from .tables import Gear, Mesh, Model, Rack, Shaft, Study, Table, _plain
 
@@ -201,11 +202,10 @@ class Simulation:
         RunFailed
             If the run did not reach its end; `result` is the run up to there.
         """
-        made, failed = self._native.run(observer)
-        if failed:
-            raise RunFailed(
-                f"{self.model} under {self.method}: {made.message or made.status}", result=made
-            )
+        recorded, failure = self._native.run(observer)
+        made = PendingRun.of(recorded)
+        if failure is not None:
+            raise RunFailed(f"{self.model} under {self.method}: {failure}", result=made)
         return made
 
     def __repr__(self) -> str:
@@ -390,7 +390,7 @@ class Scene:
         samples: int | None = None,
         timeout: float | None = None,
         events: bool = True,
-        histories: bool = True,
+        histories: bool = False,
     ) -> Simulation:
         """Build one model under one integrator, to run it several times.
 
@@ -408,8 +408,8 @@ class Scene:
         events : bool
             Locate contact events.
         histories : bool
-            Record forces of tooth pairs, contact events and loads over the flanks besides the histories of meshes and
-            gears.
+            Also record the forces of tooth pairs, contact events and loads over the flanks, which takes longer than
+            the run of rigid gears itself.
         """
         key = (model, method, samples, timeout, events, histories)
         known = self._simulations.get(key)
@@ -430,7 +430,7 @@ class Scene:
         samples: int | None = None,
         timeout: float | None = None,
         events: bool = True,
-        histories: bool = True,
+        histories: bool = False,
     ) -> records.Run:
         """Run one model under one integrator; see `simulation` for the arguments and `Simulation.run` for the result.
 

@@ -7,7 +7,8 @@ use gearbench::cli::terminal::integrators_of;
 use gearbench::context::Context;
 use gearbench::experiment::conditions::{Conditions, even};
 use gearbench::experiment::configuration::Configuration;
-use gearbench::experiment::run::{Job, RunError, bare, run_with_observer};
+use gearbench::experiment::parallel::lock;
+use gearbench::experiment::run::{Job, RunError, bare, run_in, run_with_observer};
 use gearbench::scene_file::{SceneFile, Selection, load_for};
 use gearbench::small_signals::assemble;
 use gearbench_integrators::{AcceptedStep, Control, Scheme, Sink, system::SecondOrderSystem};
@@ -16,11 +17,28 @@ use gearbench_reports::record::Run;
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use std::cell::RefCell;
+use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
 /// Time between two looks for signals.
 const EVERY: Duration = Duration::from_millis(20);
+
+/// A run before its conversion to an object of Python, which happens when one of its fields is first used.
+#[pyclass(module = "gearbench._native", frozen)]
+struct RecordedRun {
+    run: Mutex<Option<Box<Run>>>,
+}
+
+#[pymethods]
+impl RecordedRun {
+    /// Converts the run and hands its histories over; None the second time.
+    fn convert<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
+        let run = lock(&self.run).take();
+        let classes = Classes::of(py)?;
+        run.map(|run| classes.whole_run(*run)).transpose()
+    }
+}
 
 /// A model of a scene under an integrator.
 #[pyclass(module = "gearbench._native", frozen)]
@@ -107,7 +125,7 @@ impl Sink for Observer<'_> {
 impl Simulation {
     /// Reads the scene, and builds the model.
     #[new]
-    #[pyo3(signature = (name, text, model=None, method=None, samples=None, timeout=None, events=true, histories=true))]
+    #[pyo3(signature = (name, text, model=None, method=None, samples=None, timeout=None, events=true, histories=false))]
     #[allow(clippy::too_many_arguments)]
     fn new(
         py: Python<'_>,
@@ -208,21 +226,25 @@ impl Simulation {
         self.file.context.messages.warnings()
     }
 
-    /// Runs the model from the initial state. Returns the run, whether it failed, and the exception that ended it early.
+    /// Runs the model from the initial state. Returns the run before its conversion, and the reason if it failed.
     #[pyo3(signature = (observer=None))]
-    fn run<'py>(
+    fn run(
         &self,
-        py: Python<'py>,
+        py: Python<'_>,
         observer: Option<Py<PyAny>>,
-    ) -> PyResult<(Bound<'py, PyAny>, bool)> {
+    ) -> PyResult<(RecordedRun, Option<String>)> {
         let (made, failure) = py.detach(|| self.run_once(observer.as_ref()));
         if let Some(e) = failure {
             return Err(e);
         }
         let mut row = made.map_err(|e| run_error(py, e))?;
         self.entry.sign(&mut row);
-        let failed = row.status.is_failure();
-        Ok((Classes::of(py)?.whole_run(row)?, failed))
+        let failed = row.status.is_failure().then(|| {
+            let status = || row.status.as_str().to_owned();
+            row.message.clone().unwrap_or_else(status)
+        });
+        let run = Mutex::new(Some(Box::new(row)));
+        Ok((RecordedRun { run }, failed))
     }
 
     /// Integrates without recording as often as asked, without Python; the wall time [s].
@@ -247,9 +269,12 @@ impl Simulation {
     fn run_repeatedly(&self, py: Python<'_>, times: usize) -> PyResult<f64> {
         py.detach(|| {
             let begin = Instant::now();
+            let mut built = self.taken()?;
+            let job = self.job(&self.conditions);
             for _ in 0..times {
-                self.run_once(None).0?;
+                run_in(&job, &mut built.scene, built.setup)?;
             }
+            give_back(built);
             Ok(begin.elapsed().as_secs_f64())
         })
         .map_err(|e: RunError| run_error(py, e))
@@ -337,5 +362,6 @@ impl Simulation {
 /// # Errors
 /// Errors of Python.
 pub fn add(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add_class::<RecordedRun>()?;
     module.add_class::<Simulation>()
 }
