@@ -20,6 +20,6 @@ assert fit.evaluations > 0
 
 # %%
 stiffness = scene.stiffness(models="rigid", positions=12)
-for model in stiffness.models:
+for model in stiffness.stiffness:
     print(f"{model.label:25} {1e-9 * (model.mesh_stiffness_n_per_m2 or 0):.2f} N/(mm um)")
-assert len(stiffness.models) >= 2
+assert len(stiffness.stiffness) >= 2

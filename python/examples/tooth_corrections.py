@@ -17,7 +17,7 @@ relieved = {
 scenes = {"standard teeth": scene, "tip relief": scene.replace(gears=relieved)}
 errors = {}
 for label, own in scenes.items():
-    sweep = own.sweep(models="rigid", integrators="dopri5@1e-5", points=3)
+    sweep = own.sweep(models="rigid", points=3)
     steady = [run.steady for run in sweep.runs if run.steady is not None]
     errors[label] = [1e6 * s.error_rms_m for s in steady if s.error_rms_m is not None]
     for state, error in zip(steady, errors[label]):

@@ -116,15 +116,17 @@ def test_the_interpreter_lock_is_released_and_two_studies_run_in_two_threads(sce
 
     counter = threading.Thread(target=count)
     counter.start()
-    with ThreadPoolExecutor(2) as threads:
-        study = lambda: scene.compare(models="rigid", repeats=1)  # noqa: E731
-        both = [threads.submit(study) for _ in range(2)]
-        results = [f.result() for f in both]
-    ended.set()
-    counter.join()
+    try:
+        with ThreadPoolExecutor(2) as threads:
+            both = [threads.submit(scene.compare, models="rigid", repeats=1) for _ in range(2)]
+            results = [f.result() for f in both]
+    finally:
+        ended.set()
+        counter.join()
     assert counted[0] > 1000
     a, b = (r.runs[0] for r in results)
-    assert np.array_equal(a.series.time_s, b.series.time_s) and a.metrics == pytest.approx(a.metrics)
+    assert np.array_equal(a.series.time_s, b.series.time_s)
+    assert a.metrics[0].force_l2 == b.metrics[0].force_l2
 
 
 def test_progress_is_reported_and_its_exceptions_end_the_study(scene):

@@ -15,7 +15,7 @@ import pytest
 def test_a_study_has_the_arguments_of_its_command(name):
     study = getattr(gb, name.replace("-", "_"))
     own = {s[0]: s[2] for s in gb._native.study_arguments()}[name]
-    expected = {a[0].replace("-", "_") for a in own}
+    expected = {gb._names.python_name(a[0]) for a in own}
     found = set(inspect.signature(study).parameters) - {"progress", "executor", "shards", "retries"}
     assert found == expected and "memory" in found and "scene" in found
     assert all(f"{n} :" in study.__doc__ for n in expected)
@@ -36,14 +36,14 @@ def test_wrong_arguments_are_refused():
 def test_studies_return_records_with_arrays():
     scene = gb.Scene.load("spur_impact")
     stiffness = scene.stiffness(models="rigid", positions=8)
-    assert stiffness.models[0].mesh_stiffness_n_per_m2 > 0
-    assert len(stiffness.models[0].positions) == 8
+    assert stiffness.stiffness[0].mesh_stiffness_n_per_m2 > 0
+    assert len(stiffness.stiffness[0].positions) == 8
     modes = gb.modes("driveline")
-    assert len(modes.models[0].frequencies) > 3
+    assert len(modes.vibrations[0].modes) > 3
     response = gb.response("loaded_mesh", models="rigid")
-    assert response.models[0].message is None or response.models[0].message
+    assert response.responses[0].label == "rigid"
     runup = gb.run_up("run_up", models="rigid")
-    assert runup.study == "run-up"
+    assert runup.run_ups[0].label == "rigid"
     fit = scene.identify(model="rigid")
     assert fit.fits[0].evaluations > 0
 

@@ -486,6 +486,54 @@ mod tests {
         assert!(e.contains("compare"), "{e}");
     }
 
+    /// A program has the record of a study with its histories, without a folder in the working directory.
+    #[test]
+    fn a_study_returns_its_record_and_reports_its_progress() {
+        use crate::context::{ProgressObserver, RecordUse};
+        use std::sync::{Arc, Mutex};
+        let seen: Arc<Mutex<Vec<usize>>> = Arc::default();
+        let own = seen.clone();
+        let observer = move |done, _: usize, _: &str| own.lock().unwrap().push(done);
+        let mut context = Context {
+            record: RecordUse::Returned,
+            progress: Some(ProgressObserver(Arc::new(observer))),
+            ..Context::default()
+        };
+        context.messages.form = OutputForm::Json;
+        let words = "compare hammer --models rigid --integrators dopri5@1e-5 --repeats 1";
+        let words: Vec<String> = words.split(' ').map(str::to_owned).collect();
+        let result = study(context.clone(), &words).unwrap();
+        let record = result.record.unwrap();
+        let histories = record.runs[0].histories.as_ref().unwrap();
+        assert!(histories.series.is_some() || record.runs[0].series.is_some());
+        assert!(result.exit == Exit::Done && !seen.lock().unwrap().is_empty());
+        assert!(!std::path::Path::new("out/hammer").exists());
+        let refused = study(context.clone(), &["compare".into(), "hamer".into()]);
+        assert!(matches!(refused, Err(Refusal::Input(_))));
+        assert!(study(context, &["list".into()]).is_err());
+    }
+
+    /// Programs offer the arguments of studies under their names, with the kinds of their values.
+    #[test]
+    fn studies_describe_their_arguments() {
+        let all = studies();
+        assert_eq!(all.len(), StudyCommand::GROUPS.len());
+        let compare = all.iter().find(|s| s.name == "compare").unwrap();
+        let kind = |name: &str| {
+            let found = compare.arguments.iter().find(|a| a.name == name);
+            found.map(|a| (a.kind, a.is_positional, a.default.as_str()))
+        };
+        assert_eq!(
+            kind("scene"),
+            Some((ArgumentKind::Text, true, "spur_impact"))
+        );
+        assert_eq!(kind("repeats"), Some((ArgumentKind::Whole, false, "3")));
+        assert_eq!(kind("timeout"), Some((ArgumentKind::Number, false, "30")));
+        assert_eq!(kind("no-events"), Some((ArgumentKind::Flag, false, "")));
+        assert_eq!(kind("memory"), Some((ArgumentKind::Number, false, "2")));
+        assert_eq!(kind("help"), None);
+    }
+
     #[test]
     fn help_teaches() {
         let help = Cli::command().render_long_help().to_string();

@@ -95,7 +95,7 @@ def default_of(annotation: str, required: bool) -> tuple[str, str]:
 
 # Fields of a run that are arrays and no part of `results.json`.
 OF_RUNS = [
-    ("series", "TimeSeries | None", "Histories at full resolution."),
+    ("series", "TimeSeries", "Histories at full resolution; empty if there are none."),
     ("pairs", "PairForces | None", "Forces of the tooth pairs in contact."),
     ("contact_events", "ContactEvents | None", "Contacts that close and open."),
     ("on_grid", "dict[str, FloatArray] | None", "Histories that are known on the grid alone."),
@@ -125,7 +125,8 @@ def class_of(name: str, base: str, schema: dict[str, Any]) -> str:
         documented.append((field, annotation, value.get("description", "")))
     if name == "Run":
         for field, annotation, meaning in OF_RUNS:
-            fields.append(f"    {field}: {annotation} = None")
+            default = " = None" if "None" in annotation else " = field(default_factory=TimeSeries)"
+            fields.append(f"    {field}: {annotation}{default}")
             documented.append((field, annotation, meaning))
     text = f"@dataclass(kw_only=True, repr={base == 'RecordBase'})\nclass {name}({base}):\n"
     about = schema.get("description", "A record.").split("\n\n")[0]
@@ -226,22 +227,26 @@ def key_type(rust: str) -> str:
     if rust == "bool":
         return "bool"
     if rust in TABLES:
-        return f"{TABLES[rust]} | Mapping[str, Any]"
+        # A choice may also be a word.
+        is_table = rust in dict(_native.scene_tables())
+        return f"{TABLES[rust]} | Mapping[str, Any]{'' if is_table else ' | str'}"
     return "Any"
 
 
 def tables() -> str:
     """Return the stub of the tables of scenes."""
     text = HEAD.format(title="Tables of scenes with their keys and SI units.")
-    text += "from collections.abc import Iterator, Mapping, Sequence\nfrom typing import Any\n\n"
-    text += "from typing_extensions import Self\n\n"
+    text += "from collections.abc import Iterator, Mapping, Sequence\nfrom typing import Any, TypeVar\n\n"
+    text += "T = TypeVar(\"T\", bound=Table)\n\n"
+    text += "def _plain(value: Any) -> Any: ...\n\n"
     text += "class Table(Mapping[str, Any]):\n"
     text += "    def __init__(self, **keys: Any) -> None: ...\n"
     text += "    def __getitem__(self, key: str) -> Any: ...\n"
     text += "    def __getattr__(self, key: str) -> Any: ...\n"
     text += "    def __iter__(self) -> Iterator[str]: ...\n"
     text += "    def __len__(self) -> int: ...\n"
-    text += "    def replace(self, **keys: Any) -> Self: ...\n"
+    text += "    @classmethod\n    def _of(cls: type[T], values: Mapping[str, Any]) -> T: ...\n"
+    text += "    def replace(self: T, **keys: Any) -> T: ...\n"
     described = dict(_native.scene_tables())
     for rust, name in TABLES.items():
         text += f"\nclass {name}(Table):\n"
@@ -253,14 +258,14 @@ def tables() -> str:
             annotation = key_type(of)
             if not required and "None" not in annotation:
                 annotation += " | None"
-            text += f"        {key}: {annotation}{'' if required else ' = ...'},\n"
+            text += f"        {python_name(key)}: {annotation}{'' if required else ' = ...'},\n"
         text += "    ) -> None: ...\n"
         for key, _, of, _ in described[rust]:
             annotation = key_type(of)
             if "None" not in annotation:
                 annotation += " | None"
-            text += f"    @property\n    def {key}(self) -> {annotation}: ...\n"
-    return text.replace("from typing_extensions import Self\n\n", "").replace("-> Self", "-> Any")
+            text += f"    @property\n    def {python_name(key)}(self) -> {annotation}: ...\n"
+    return text
 
 
 # Studies, from the arguments of their commands.
@@ -276,6 +281,10 @@ def studies() -> str:
     text += "from .records import (\n" + "".join(f"    {r},\n" for r in results) + ")\n"
     text += "from .scene import Scene\n\n"
     text += "Text = str | os.PathLike[str]\nProgress = Callable[[int, int, str], object] | bool\n\n"
+    text += "def execute(\n    command: str, words: Sequence[str], scene: Any, progress: Any, keeps: Any\n"
+    text += ") -> Any: ...\n"
+    text += "def words_of(arguments: Sequence[Any], options: Mapping[str, Any]) -> list[str]: ...\n"
+    text += "def _observer(progress: Any, title: str) -> Any: ...\n\n"
     for name, about, arguments in known:
         text += f"def {python_name(name)}(\n    scene: Scene | Text,\n"
         text += "    *,\n    progress: Progress | None = ...,\n"

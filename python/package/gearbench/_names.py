@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import keyword
+
 # The class of each table that is made by keywords, by the type that reads it.
 TABLES = {
     "GearTable": "Gear",
@@ -58,6 +60,12 @@ STUDIES = {
 }
 
 
+def key_of(name: str) -> str:
+    """Return the key of a scene by its name in Python: `class` of `class_`."""
+    return name[:-1] if name.endswith("_") and keyword.iskeyword(name[:-1]) else name
+
+
 def python_name(name: str) -> str:
-    """Return the name of a study or an option in Python."""
-    return name.replace("-", "_")
+    """Return the name of a study or an option in Python; a keyword has `_` at its end."""
+    plain = name.replace("-", "_")
+    return f"{plain}_" if keyword.iskeyword(plain) else plain

@@ -52,10 +52,18 @@ class RecordBase:
 class RunBase(RecordBase):
     """A run, with the histories that it has recorded."""
 
-    series: TimeSeries | None
+    series: TimeSeries
+
+    model: str
+    integrator: str
+    status: str
+    steps: int
+
+    def __repr__(self) -> str:
+        return f"<Run of {self.model} under {self.integrator}: {self.status}, {self.steps} steps>"
 
     def _histories(self) -> TimeSeries:
-        if self.series is None:
+        if not len(self.series):
             raise ValueError("the run has no histories")
         return self.series
 

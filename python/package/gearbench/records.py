@@ -2269,8 +2269,8 @@ class Run(RunBase):
         Wall time, the median of the repeats [s].
     wall_spread_s : tuple[float, float] | None
         Shortest and longest wall time of the repeats [s].
-    series : TimeSeries | None
-        Histories at full resolution.
+    series : TimeSeries
+        Histories at full resolution; empty if there are none.
     pairs : PairForces | None
         Forces of the tooth pairs in contact.
     contact_events : ContactEvents | None
@@ -2320,7 +2320,7 @@ class Run(RunBase):
     variant: str | None = None
     wall_s: float = nan
     wall_spread_s: tuple[float, float] | None = None
-    series: TimeSeries | None = None
+    series: TimeSeries = field(default_factory=TimeSeries)
     pairs: PairForces | None = None
     contact_events: ContactEvents | None = None
     on_grid: dict[str, FloatArray] | None = None

@@ -28,6 +28,12 @@ from .scene import Scene
 Text = str | os.PathLike[str]
 Progress = Callable[[int, int, str], object] | bool
 
+def execute(
+    command: str, words: Sequence[str], scene: Any, progress: Any, keeps: Any
+) -> Any: ...
+def words_of(arguments: Sequence[Any], options: Mapping[str, Any]) -> list[str]: ...
+def _observer(progress: Any, title: str) -> Any: ...
+
 def compare(
     scene: Scene | Text,
     *,
@@ -169,7 +175,7 @@ def response(
     *,
     progress: Progress | None = ...,
     models: Text | float | bool | Sequence[Any] | None = ...,
-    from: float | None = ...,
+    from_: float | None = ...,
     to: float | None = ...,
     points: int | None = ...,
     phases: int | None = ...,
@@ -186,7 +192,7 @@ def sweep(
     *,
     progress: Progress | None = ...,
     models: Text | float | bool | Sequence[Any] | None = ...,
-    from: float | None = ...,
+    from_: float | None = ...,
     to: float | None = ...,
     points: int | None = ...,
     cycles: int | None = ...,
@@ -208,7 +214,7 @@ def run_up(
     progress: Progress | None = ...,
     models: Text | float | bool | Sequence[Any] | None = ...,
     gear: Text | float | bool | Sequence[Any] | None = ...,
-    from: float | None = ...,
+    from_: float | None = ...,
     to: float | None = ...,
     over: float | None = ...,
     multiples: int | None = ...,
@@ -306,7 +312,7 @@ def penalty(
     progress: Progress | None = ...,
     model: Text | float | bool | Sequence[Any] | None = ...,
     hard: Text | float | bool | Sequence[Any] | None = ...,
-    from: float | None = ...,
+    from_: float | None = ...,
     to: float | None = ...,
     points: int | None = ...,
     load: float | None = ...,

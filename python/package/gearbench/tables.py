@@ -10,7 +10,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from . import _native
-from ._names import TABLES
+from ._names import TABLES, key_of, python_name
 
 
 def _plain(value: Any) -> Any:
@@ -35,7 +35,8 @@ class Table(Mapping[str, Any]):
     _fixed: Mapping[str, Any] = {}
 
     def __init__(self, **keys: Any) -> None:
-        values = {key: _plain(x) for key, x in {**self._fixed, **keys}.items() if x is not None}
+        given = {**self._fixed, **{key_of(key): x for key, x in keys.items()}}
+        values = {key: _plain(x) for key, x in given.items() if x is not None}
         object.__setattr__(self, "_values", values)
         if self._type:
             checked = {k: x for k, x in values.items() if k not in self._fixed}
@@ -60,6 +61,7 @@ class Table(Mapping[str, Any]):
     def __getattr__(self, key: str) -> Any:
         if key.startswith("_"):
             raise AttributeError(key)
+        key = key_of(key)
         if key in self._values:
             return self._values[key]
         if key in self._keys or not self._keys:
@@ -88,7 +90,8 @@ class Table(Mapping[str, Any]):
 
     def replace(self, **keys: Any) -> Any:
         """Return the table with other values; a key with None is left out."""
-        return type(self)(**{k: x for k, x in {**self._values, **keys}.items()})
+        changed = {key_of(key): x for key, x in keys.items()}
+        return type(self)(**{**self._values, **changed})
 
 
 def _restored(name: str, values: dict[str, Any]) -> Any:
@@ -98,7 +101,7 @@ def _restored(name: str, values: dict[str, Any]) -> Any:
 def _documented(about: str, keys: list[tuple[str, str, str, bool]]) -> str:
     text = f"{about}\n\nParameters\n----------\n"
     for key, meaning, _, required in keys:
-        text += f"{key}{'' if required else ' : optional'}\n    {meaning}\n"
+        text += f"{python_name(key)}{'' if required else ' : optional'}\n    {meaning}\n"
     return text
 
 
@@ -115,7 +118,7 @@ def _made(name: str, rust: str, keys: list[tuple[str, str, str, bool]]) -> type[
     made = type(name, (Table,), fields)
     if keys:
         parameters = [
-            inspect.Parameter(key, kind, default=inspect.Parameter.empty if required else None)
+            inspect.Parameter(python_name(key), kind, default=inspect.Parameter.empty if required else None)
             for key, _, _, required in keys
         ]
         made.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]

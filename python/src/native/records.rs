@@ -271,6 +271,14 @@ lists! {
     SerializeTupleVariant: serialize_field;
 }
 
+/// Keywords of Python, which are no names of fields: a field has `_` at its end.
+const KEYWORDS: [&str; 35] = [
+    "False", "None", "True", "and", "as", "assert", "async", "await", "break", "class", "continue",
+    "def", "del", "elif", "else", "except", "finally", "for", "from", "global", "if", "import",
+    "in", "is", "lambda", "nonlocal", "not", "or", "pass", "raise", "return", "try", "while",
+    "with", "yield",
+];
+
 /// The entries of a table, and the class of the object that they become.
 struct Entries<'c, 'py> {
     writer: Writer<'c, 'py>,
@@ -311,7 +319,10 @@ impl<'py> ser::SerializeStruct for Entries<'_, 'py> {
         x: &T,
     ) -> Result<(), ConversionError> {
         let value = x.serialize(self.writer)?;
-        Ok(self.all.set_item(key, value)?)
+        match KEYWORDS.contains(&key) {
+            true => Ok(self.all.set_item(format!("{key}_"), value)?),
+            false => Ok(self.all.set_item(key, value)?),
+        }
     }
 
     fn end(self) -> Made<'py> {
