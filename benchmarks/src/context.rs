@@ -24,9 +24,12 @@ pub enum RecordUse {
     Returned,
 }
 
-/// A function that receives the progress of a study: pieces done, their total number or 0, and the present piece.
+/// A function of the pieces done, their total number or 0, and the present piece.
+pub type ProgressFunction = dyn Fn(usize, usize, &str) + Send + Sync;
+
+/// The receiver of the progress of a study.
 #[derive(Clone)]
-pub struct ProgressObserver(pub Arc<dyn Fn(usize, usize, &str) + Send + Sync>);
+pub struct ProgressObserver(pub Arc<ProgressFunction>);
 
 impl fmt::Debug for ProgressObserver {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

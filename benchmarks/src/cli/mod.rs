@@ -278,15 +278,16 @@ pub struct StudyDescription {
     pub arguments: Vec<ArgumentDescription>,
 }
 
-/// Returns the descriptions of all studies.
+/// Returns the descriptions of all studies, and of the reduction of gears.
 #[must_use]
 pub fn studies() -> Vec<StudyDescription> {
     let command = Cli::command();
     let global: Vec<&clap::Arg> = (command.get_arguments())
         .filter(|a| a.get_id() == "memory")
         .collect();
-    let all = StudyCommand::GROUPS.iter();
-    all.filter_map(|(name, _)| command.find_subcommand(name))
+    let names = StudyCommand::GROUPS.iter().map(|(name, _)| *name);
+    (names.chain(["reduce"]))
+        .filter_map(|name| command.find_subcommand(name))
         .map(|study| StudyDescription {
             name: study.get_name().to_owned(),
             about: text_of(study.get_about()),
@@ -338,7 +339,7 @@ impl ArgumentDescription {
     }
 }
 
-/// Runs a study, or joins the parts of a scan, from the words of the command line, without the program, in a context; the
+/// Runs a study, joins the parts of a scan, or reduces gears, from the words of the command line, without the program, in a context; the
 /// record stores the command.
 /// A program has the record [returned](crate::context::RecordUse::Returned).
 ///
@@ -349,7 +350,7 @@ pub fn study(mut context: Context, words: &[String]) -> Result<CommandResult, Re
     let all = std::iter::once("gearbench".to_owned()).chain(words.iter().cloned());
     let cli = Cli::read(all).map_err(|e| refusal_of(&e))?;
     let command = match cli.command {
-        Some(command @ (Command::Study(_) | Command::Merge(_))) => command,
+        Some(command @ (Command::Study(_) | Command::Merge(_) | Command::Reduce(_))) => command,
         _ => return Err(Refusal::Input(miette::miette!("`{line}` is no study"))),
     };
     context.resources.memory = Memory::of(cli.memory * 1e9);
@@ -517,7 +518,7 @@ mod tests {
     #[test]
     fn studies_describe_their_arguments() {
         let all = studies();
-        assert_eq!(all.len(), StudyCommand::GROUPS.len());
+        assert_eq!(all.len(), StudyCommand::GROUPS.len() + 1);
         let compare = all.iter().find(|s| s.name == "compare").unwrap();
         let kind = |name: &str| {
             let found = compare.arguments.iter().find(|a| a.name == name);

@@ -13,6 +13,7 @@ from __future__ import annotations
 from . import _native
 from .errors import GearbenchError, Interrupted, RunFailed, SceneError, SceneWarning
 from .histories import ContactEvents, PairForces, TimeSeries
+from .reduction import Reduction, reduce
 from .scene import Pair, Parts, Planetary, Scene, Simulation, Train, shipped_scenes
 from .studies import (
     choose,
@@ -97,6 +98,7 @@ __all__ = [
     "Planetary",
     "Rack",
     "RackLoad",
+    "Reduction",
     "Reference",
     "Relief",
     "RunFailed",
@@ -126,6 +128,7 @@ __all__ = [
     "modes",
     "penalty",
     "precision",
+    "reduce",
     "response",
     "run_up",
     "scan",

@@ -6,6 +6,7 @@ The keys, their units and their checks are those of the types that read scene fi
 from __future__ import annotations
 
 import inspect
+import os
 from collections.abc import Iterator, Mapping
 from typing import Any
 
@@ -19,6 +20,8 @@ def _plain(value: Any) -> Any:
         return {key: _plain(x) for key, x in value.items() if x is not None}
     if isinstance(value, (list, tuple)):
         return [_plain(x) for x in value]
+    if isinstance(value, os.PathLike):
+        return os.fspath(value)
     if hasattr(value, "tolist"):
         return value.tolist()
     return value

@@ -34,6 +34,9 @@ const STACK: usize = 8 << 20;
 /// Shortest time between two reports of progress.
 const REPORTED_EVERY: Duration = Duration::from_millis(50);
 
+/// Time axis and columns of a series that Python gives back for a report.
+type ReturnedSeries<'py> = (PyReadonlyArray1<'py, f64>, Bound<'py, PyDict>);
+
 /// A record that a study has returned, for its report. Histories at full resolution are arrays of Python.
 #[pyclass(module = "gearbench._native", frozen)]
 struct Record {
@@ -48,7 +51,7 @@ impl Record {
         &self,
         py: Python<'_>,
         folder: PathBuf,
-        series: Vec<Option<(PyReadonlyArray1<'_, f64>, Bound<'_, PyDict>)>>,
+        series: Vec<Option<ReturnedSeries<'_>>>,
     ) -> PyResult<String> {
         let mut results = lock(&self.results).clone();
         for (run, series) in results.runs.iter_mut().zip(series) {
@@ -112,7 +115,7 @@ type Ended = Result<CommandResult, Refusal>;
 /// record, the record for its report, exit code and meaning, warnings, other results of the command, and the exception
 /// that ended it early.
 #[pyfunction]
-#[pyo3(signature = (words, name, text, progress=None))]
+#[pyo3(signature = (words, name=None, text=None, progress=None))]
 fn run_study<'py>(
     py: Python<'py>,
     words: Vec<String>,
