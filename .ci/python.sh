@@ -86,10 +86,7 @@ END
     "$own/bin/python" -m pytest --quiet -p no:cacheprovider .
     "$own/bin/python" -m pytest --quiet -p no:cacheprovider --doctest-modules "$package" --ignore="$package/_generate.py"
   )
-  for example in python/examples/*.py; do
-    (root=$PWD; cd "$folder" && MPLBACKEND=Agg "$own/bin/python" "$root/$example" > "$folder/example.log" 2>&1) \
-      || { cat "$folder/example.log"; exit 1; }
-    echo "$example"
-  done
+  # The examples as notebooks and as pages of the book.
+  (root=$PWD; cd "$folder" && "$own/bin/python" "$root/python/notebooks.py" "$root/target/notebooks")
   (root=$PWD; cd "$folder" && "$own/bin/mypy" --strict --cache-dir "$folder/mypy" --ignore-missing-imports "$root"/python/examples/*.py)
 done

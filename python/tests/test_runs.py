@@ -78,6 +78,20 @@ def test_an_observer_sees_every_step_and_ends_the_run(scene):
     assert scene.run("rigid", "rk4@100ns").status == "unchecked"
 
 
+def test_a_load_follows_a_function_of_time():
+    scene = gb.Scene.load("loaded_mesh").changed({"duration_s": 1e-3})
+    ramp = {"ramp": {"from_nm": 50.0, "to_nm": 150.0, "start_s": 0.0, "end_s": 1e-3}}
+    function = gb.over_time(lambda t: 50.0 + 1e5 * t, 1e-3, samples=11)
+    forces = []
+    for load in (ramp, function, {"torque_nm": 50.0}):
+        pinion = scene.gears["pinion"].replace(loads=[load])
+        own = scene.replace(gears={**scene.gears, "pinion": pinion}, tolerance=None)
+        run = own.run("rigid", "rk4@500ns")
+        forces.append(run.series["contact_force_pinion_wheel_n"])
+    assert forces[1] == pytest.approx(forces[0], rel=1e-6, abs=1e-3 * forces[0].max())
+    assert forces[2][-1] < 0.9 * forces[0][-1]
+
+
 def interrupt_after(seconds):
     """Send the signal of Ctrl-C to this process."""
     timer = threading.Timer(seconds, os.kill, (os.getpid(), signal.SIGINT))

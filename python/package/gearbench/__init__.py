@@ -14,7 +14,16 @@ from . import _native
 from .errors import GearbenchError, Interrupted, RunFailed, SceneError, SceneWarning
 from .histories import ContactEvents, PairForces, TimeSeries
 from .reduction import Reduction, reduce
-from .scene import Pair, Parts, Planetary, Scene, Simulation, Train, shipped_scenes
+from .scene import (
+    Pair,
+    Parts,
+    Planetary,
+    Scene,
+    Simulation,
+    Train,
+    over_time,
+    shipped_scenes,
+)
 from .studies import (
     choose,
     compare,
@@ -126,6 +135,7 @@ __all__ = [
     "coupling",
     "identify",
     "modes",
+    "over_time",
     "penalty",
     "precision",
     "reduce",

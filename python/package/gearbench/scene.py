@@ -34,6 +34,35 @@ def shipped_scenes() -> list[str]:
     return _native.shipped_scenes()
 
 
+def over_time(
+    function: Callable[[float], float],
+    duration_s: float,
+    samples: int = 1001,
+    key: str = "torque_nm",
+) -> dict[str, Any]:
+    """Return a load or a motion that follows a function of time.
+
+    The function is called once for each sample, before the run, and values are linear between samples: a run takes as
+    long as with a table of a file.
+
+    Parameters
+    ----------
+    function : callable
+        Value over time [s], in the unit of the key.
+    duration_s : float
+        Last time [s]; the last value holds after it.
+    samples : int
+        Number of evenly spaced samples.
+    key : str
+        Key of the values: ``torque_nm`` or ``force_n`` of loads, ``speed_rad_s`` or ``speed_m_s`` of motions.
+
+    >>> over_time(lambda t: 5.0 * t, 2.0, samples=3)
+    {'table': {'time_s': [0.0, 1.0, 2.0], 'torque_nm': [0.0, 5.0, 10.0]}}
+    """
+    times = [duration_s * i / (samples - 1) for i in range(samples)]
+    return {"table": {"time_s": times, key: [float(function(t)) for t in times]}}
+
+
 class Parts:
     """Gears, meshes and shafts that belong together; parts of a scene.
 
