@@ -33,11 +33,14 @@ pythons=$( (echo "$found" | head -n 1; echo "$found" | tail -n 1) | sort -u | cu
 
 # Maturin and its environment.
 first=$(echo "$pythons" | head -n 1)
-if [ ! -x "$folder/build/bin/maturin" ]; then
+if [ ! -x "$folder/build/bin/ruff" ]; then
   "$first" -m venv --clear "$folder/build" >> "$log" 2>&1 || leave_out "the Python package is not checked, venv failed ($log)"
-  "$folder/build/bin/pip" install --quiet --disable-pip-version-check 'maturin>=1.9,<2' twine >> "$log" 2>&1 \
+  "$folder/build/bin/pip" install --quiet --disable-pip-version-check 'maturin>=1.9,<2' twine ruff >> "$log" 2>&1 \
     || { rm -rf "$folder/build"; leave_out "the Python package is not checked, pip failed ($log)"; }
 fi
+
+"$folder/build/bin/ruff" format --check python
+"$folder/build/bin/ruff" check python
 
 echo "wheel"
 rm -rf "$folder/wheels"
@@ -88,5 +91,7 @@ END
   )
   # The examples as notebooks and as pages of the book.
   (root=$PWD; cd "$folder" && "$own/bin/python" "$root/python/notebooks.py" "$root/target/notebooks")
-  (root=$PWD; cd "$folder" && "$own/bin/mypy" --strict --cache-dir "$folder/mypy" --ignore-missing-imports "$root"/python/examples/*.py)
+  (root=$PWD; cd "$folder" && "$own/bin/mypy" --strict --cache-dir "$folder/mypy" --ignore-missing-imports "$root"/python/examples/*.py "$root"/python/notebooks.py \
+    "$root"/python/measure/throughput.py)
+  (cd python/package && "$own/bin/mypy" --strict --cache-dir "$folder/mypy" --ignore-missing-imports gearbench)
 done

@@ -1,7 +1,9 @@
-"""Runs the examples and renders them: python python/notebooks.py [FOLDER], default target/notebooks.
+"""Runs the examples and renders them: python python/notebooks.py [FOLDER], default
+target/notebooks.
 
-An example is a script in the percent format: `# %%` begins a cell of code, `# %% [markdown]` one of text. Each becomes a
-notebook (`NAME.ipynb`) and a page (`NAME.md`), both with what the cells have printed. A cell that fails ends the script.
+An example is a script in the percent format: `# %%` begins a cell of code, `# %% [markdown]` one
+of text. Each becomes a notebook (`NAME.ipynb`) and a page (`NAME.md`), both with what the cells
+have printed. A cell that fails ends the script.
 """
 
 from __future__ import annotations

@@ -1,7 +1,8 @@
 # %% [markdown]
 # # A first pair in ten lines
 #
-# Two spur gears meet at 60 rad/s. The model has rigid gears; the stiffness of the teeth is that of ISO 6336.
+# Two spur gears meet at 60 rad/s. The model has rigid gears; the stiffness of the teeth is that of
+# ISO 6336.
 
 # %%
 import gearbench as gb
@@ -17,7 +18,8 @@ print(f"peak force {force.max():.1f} N, {run.steps} steps in {1e3 * run.cpu_s:.2
 assert force.max() > 1000.0
 
 # %% [markdown]
-# Scenes are values: a faster pinion is another scene. In a first approximation the peak force grows with the speed.
+# Scenes are values: a faster pinion is another scene. In a first approximation the peak force
+# grows with the speed.
 
 # %%
 for speed in (30.0, 60.0, 120.0):

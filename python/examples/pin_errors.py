@@ -1,7 +1,8 @@
 # %% [markdown]
 # # A planetary set with pin errors by Monte Carlo
 #
-# The position of one pin along its circle is normally distributed, by 2 um. Each sample is a scene of its own; the scan runs in threads.
+# The position of one pin along its circle is normally distributed, by 2 um. Each sample is a scene
+# of its own; the scan runs in threads.
 
 # %%
 from concurrent.futures import ThreadPoolExecutor

@@ -1,8 +1,9 @@
 # %% [markdown]
 # # Stiffness from measurements
 #
-# A measured contact force determines constants of a model. Here the reference of the scene, a solution of CalculiX, takes
-# the place of a measurement; `identify` fits the constants of rigid gears to it.
+# A measured contact force determines constants of a model. Here the reference of the scene, a
+# solution of CalculiX, takes the place of a measurement; `identify` fits the constants of rigid
+# gears to it.
 
 # %%
 import gearbench as gb

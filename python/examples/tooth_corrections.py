@@ -1,7 +1,8 @@
 # %% [markdown]
 # # A sweep with tooth corrections
 #
-# Tip relief reduces the transmission error under load. The same pair is run at a few speeds without and with it.
+# Tip relief reduces the transmission error under load. The same pair is run at a few speeds
+# without and with it.
 
 # %%
 import gearbench as gb

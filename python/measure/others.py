@@ -1,15 +1,19 @@
-"""Compares gearbench with SciPy and Exudyn on the same impact and the same loaded pair: error and wall time.
+"""Compares gearbench with SciPy and Exudyn on the same impact and the same loaded pair: error and
+wall time.
 
     pip install scipy exudyn
     python python/measure/others.py
 
-Two rigid gears on one undamped spring for the mesh. In the impact one gear meets the other at rest. In the loaded pair
-balanced torques act on gears at rest in unloaded contact. Both have closed forms,
+Two rigid gears on one undamped spring for the mesh. In the impact one gear meets the other at
+rest. In the loaded pair balanced torques act on gears at rest in unloaded contact. Both have
+closed forms,
 
-    impact:  F(t) = k v / omega sin(omega t) while it is positive        loaded:  F(t) = F_0 (1 - cos(omega t))
+    impact:       F(t) = k v / omega sin(omega t) while it is positive
+    loaded pair:  F(t) = F_0 (1 - cos(omega t))
 
-with omega^2 = k (1/m_1 + 1/m_2), m_i = I_i / r_i^2. The error is the root mean square of the contact force over that of the
-closed form, on the same 1001 times. The time is the least of several runs with recording.
+with omega^2 = k (1/m_1 + 1/m_2), m_i = I_i / r_i^2. The error is the root mean square error of the
+contact force over the root mean square of the closed form, on the same 1001 times. The time is the
+least of several runs with recording.
 """
 
 from __future__ import annotations
@@ -133,7 +137,9 @@ def of_exudyn(case: str, step: float) -> Callable[[], Any]:
     of_node = [
         mbs.AddSensor(
             items.SensorNode(
-                nodeNumber=n, outputVariableType=exu.OutputVariableType.Coordinates, storeInternal=True
+                nodeNumber=n,
+                outputVariableType=exu.OutputVariableType.Coordinates,
+                storeInternal=True,
             )
         )
         for n in nodes
@@ -175,8 +181,8 @@ def main() -> None:
                 begin = time.perf_counter()
                 run()
                 least = min(least, time.perf_counter() - begin)
-            error = np.sqrt(np.mean((found - exact) ** 2) / np.mean(exact**2))
-            print(f"| {case} | {name} | {error:.1e} | {1e3 * least:.3f} ms |")
+            deviation = np.sqrt(np.mean((found - exact) ** 2) / np.mean(exact**2))
+            print(f"| {case} | {name} | {deviation:.1e} | {1e3 * least:.3f} ms |")
 
 
 if __name__ == "__main__":

@@ -1,6 +1,7 @@
-"""Measures calls from Python: overhead of a call, throughput of short runs, histories without copies.
+"""Measures calls from Python: overhead of a call, throughput of short runs, histories without
+copies.
 
-    python python/measure/throughput.py
+python python/measure/throughput.py
 """
 
 from __future__ import annotations
@@ -36,7 +37,9 @@ def main() -> None:
     vary = {"gears.pinion.speed_rad_s": cells}
     begin = time.perf_counter()
     gb.scan(scene, vary=vary, models="rigid", threads=1)
-    print(f"  scan by call, one thread: {1e6 * (time.perf_counter() - begin) / IMPACTS:.1f} us each")
+    print(
+        f"  scan by call, one thread: {1e6 * (time.perf_counter() - begin) / IMPACTS:.1f} us each"
+    )
 
     run = scene.run("rigid", "dopri5@1e-6", samples=1_000_000)
     same = all(
@@ -45,7 +48,8 @@ def main() -> None:
     )
     address = run.series._written_at["time_s"]
     found = run.series.time_s.__array_interface__["data"][0]
-    print(f"histories of {len(run.series.time_s)} samples: written at {address:#x}, array at {found:#x}")
+    print(f"histories of {len(run.series.time_s)} samples:")
+    print(f"  written at {address:#x}, array at {found:#x}")
     print(f"  all {len(run.series._written_at)} arrays own what the run has written: {same}")
 
 

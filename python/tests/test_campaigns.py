@@ -117,7 +117,9 @@ def test_a_scene_that_is_refused_ends_the_scan():
 
 def test_a_local_dask_cluster_of_which_a_worker_is_killed(plain, tmp_path):
     distributed = pytest.importorskip("distributed")
-    with distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster:
+    with distributed.LocalCluster(
+        n_workers=2, threads_per_worker=1, dashboard_address=None
+    ) as cluster:
         with distributed.Client(cluster) as client:
             pids = list(client.run(os.getpid).values())
             killed = []

@@ -14,12 +14,13 @@ import pytest
 
 COMMAND = os.environ.get("GEARBENCH_COMMAND") or shutil.which("gearbench")
 # Keys whose values depend on the clock and the machine, as `OF_THE_CLOCK` of the record.
-OF_THE_CLOCK = {
-    "wall_s", "wall_spread_s", "repeats", "setup_s", "solve_s", "cost_s", "predicted_cost_s", "cpu_s",
-    "cpu_per_simulated_time", "cpu_per_step_s", "cpu_per_evaluation_s", "estimate_s", "finding", "created",
-    "machine", "cpu", "command", "reason",
-}  # fmt: skip
-# Histories are compared apart; names of files are those of a folder; commits of two builds may differ.
+OF_THE_CLOCK = set(
+    "wall_s wall_spread_s repeats setup_s solve_s cost_s predicted_cost_s cpu_s "
+    "cpu_per_simulated_time cpu_per_step_s cpu_per_evaluation_s estimate_s finding created "
+    "machine cpu command reason".split()
+)
+# Histories are compared apart; names of files are those of a folder; commits of two builds may
+# differ.
 APART = {"series", "further", "files", "commit"}
 
 STUDIES = {

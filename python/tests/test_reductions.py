@@ -48,7 +48,9 @@ def test_a_reduction_is_read_and_written_as_it_is(reductions, tmp_path):
 
 
 def test_arrays_of_another_program_are_handed_over(scene, reductions):
-    """Gears whose modes are slower and whose compliance is larger, as those of a softer material, press less."""
+    """Gears whose modes are slower and whose compliance is larger, as those of a softer material,
+    press less.
+    """
     stiff = peak_of(scene, reductions)
     factor = 2.0
     soft = {

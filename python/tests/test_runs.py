@@ -156,7 +156,9 @@ def test_progress_is_reported_and_its_exceptions_end_the_study(scene):
 
 
 def test_the_overhead_of_a_call_is_small(scene):
-    """The issue asks for 20 us; the machine of a test may be busy, so that the bound is wider here."""
+    """The issue asks for 20 us; the machine of a test may be busy, so that the bound is wider
+    here.
+    """
     simulation = scene.simulation("rigid", "dopri5@1e-6", samples=2)
     native = simulation._native
     native.run_repeatedly(50)

@@ -1,6 +1,7 @@
 """gearbench compares gear-contact models in multibody dynamics by accuracy and by cost.
 
-A scene is made of objects, or loaded from a file; studies are its methods, and functions of this module.
+A scene is made of objects, or loaded from a file; studies are its methods, and functions of this
+module.
 
 >>> import gearbench as gb
 >>> scene = gb.Scene.load("hammer")

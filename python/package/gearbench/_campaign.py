@@ -91,8 +91,9 @@ def scan_in_shards(
 ) -> Any:
     """Run a scan in parts by an executor, and join them.
 
-    An executor that is a function without arguments is called for an executor, also in place of one that is broken by the
-    death of a worker, as that of processes. An executor that replaces its workers is used as it is.
+    An executor that is a function without arguments is called for an executor, also in place of
+    one that is broken by the death of a worker, as that of processes. An executor that replaces
+    its workers is used as it is.
     """
     from .studies import _observer, execute, words_of
 
@@ -112,9 +113,7 @@ def scan_in_shards(
     words = ["scan", scene._source, *words_of(arguments, own)]
     parts = pathlib.Path(os.fspath(out) + ".parts")
     folders = {i: parts / f"{i:0{len(str(number))}}" for i in range(1, number + 1)}
-    calls = {
-        i: (scene._source, scene._text, [*words, f"--shard={i}/{number}"]) for i in folders
-    }
+    calls = {i: (scene._source, scene._text, [*words, f"--shard={i}/{number}"]) for i in folders}
     observer = _observer(progress, "scan")
     try:
         left = {i for i in folders if not _is_finished(folders[i], scene._text, calls[i][2])}

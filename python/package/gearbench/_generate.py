@@ -1,7 +1,9 @@
-"""Writes the generated modules of the package: python -m gearbench._generate [--check] SCHEMA FOLDER.
+"""Writes the generated modules of the package: python -m gearbench._generate [--check] SCHEMA
+FOLDER.
 
-Keys of scenes come from the types that read scene files, arguments of studies from their commands, and the records from
-the JSON Schema of `results.json`. With ``--check`` nothing is written, and the exit code is 1 if a file differs.
+Keys of scenes come from the types that read scene files, arguments of studies from their commands,
+and the records from the JSON Schema of `results.json`. With ``--check`` nothing is written, and
+the exit code is 1 if a file differs.
 """
 
 from __future__ import annotations
@@ -236,8 +238,9 @@ def key_type(rust: str) -> str:
 def tables() -> str:
     """Return the stub of the tables of scenes."""
     text = HEAD.format(title="Tables of scenes with their keys and SI units.")
-    text += "from collections.abc import Iterator, Mapping, Sequence\nfrom typing import Any, TypeVar\n\n"
-    text += "T = TypeVar(\"T\", bound=Table)\n\n"
+    text += "from collections.abc import Iterator, Mapping, Sequence\n"
+    text += "from typing import Any, TypeVar\n\n"
+    text += 'T = TypeVar("T", bound=Table)\n\n'
     text += "def _plain(value: Any) -> Any: ...\n\n"
     text += "class Table(Mapping[str, Any]):\n"
     text += "    def __init__(self, **keys: Any) -> None: ...\n"
@@ -281,7 +284,8 @@ def studies() -> str:
     text += "from .records import (\n" + "".join(f"    {r},\n" for r in results) + ")\n"
     text += "from .scene import Scene\n\n"
     text += "Text = str | os.PathLike[str]\nProgress = Callable[[int, int, str], object] | bool\n\n"
-    text += "def execute(\n    command: str, words: Sequence[str], scene: Any, progress: Any, keeps: Any\n"
+    text += "def execute(\n    command: str,\n    words: Sequence[str],\n"
+    text += "    scene: Any,\n    progress: Any,\n    keeps: Any,\n"
     text += ") -> Any: ...\n"
     text += "def words_of(arguments: Sequence[Any], options: Mapping[str, Any]) -> list[str]: ...\n"
     text += "def _observer(progress: Any, title: str) -> Any: ...\n\n"
@@ -289,7 +293,9 @@ def studies() -> str:
         text += f"def {python_name(name)}(\n    scene: Scene | Text,\n"
         text += "    *,\n    progress: Progress | None = ...,\n"
         if name == "scan":
-            text += "    executor: Any = ...,\n    shards: int | None = ...,\n    retries: int = ...,\n"
+            text += (
+                "    executor: Any = ...,\n    shards: int | None = ...,\n    retries: int = ...,\n"
+            )
         for argument, _, _, kind, positional, repeated in arguments:
             if positional:
                 continue

@@ -1,4 +1,6 @@
-"""Runs that are converted to Python when one of their fields is first used: a loop over many runs stays fast."""
+"""Runs that are converted to Python when one of their fields is first used: a loop over many runs
+stays fast.
+"""
 
 from __future__ import annotations
 
@@ -32,5 +34,5 @@ class PendingRun(Run):
         return object.__getattribute__(self, name)
 
     def __setattr__(self, name: str, value: Any) -> None:
-        getattr(self, "model")
+        self.__getattribute__("model")
         object.__setattr__(self, name, value)

@@ -103,7 +103,8 @@ class StudyResult(RecordBase):
     _keeps: Any = None
 
     def report(self, folder: str | os.PathLike[str]) -> str:
-        """Write the folder of the study: the report `index.html`, `results.json`, tables and charts.
+        """Write the folder of the study: the report `index.html`, `results.json`, tables and
+        charts.
 
         Returns
         -------
@@ -154,7 +155,7 @@ class StudyResult(RecordBase):
 
     def _main(self) -> list[Any]:
         if getattr(self, "runs", []):
-            return list(getattr(self, "runs"))
+            return list(self.runs)
         others = ("references", "measured", "mesh_modes", "runs", "machine", "source", "tolerance")
         parts = [self]
         for part in parts:
@@ -204,7 +205,9 @@ class StudyResult(RecordBase):
         numbers = [k for k, v in rows[0].items() if isinstance(v, float)] if rows else []
         x, y = x or (numbers[0] if numbers else None), y or (numbers[1] if numbers[1:] else None)
         if x is None or y is None:
-            raise ValueError("the record has no table with two columns of numbers: name `x` and `y`")
+            raise ValueError(
+                "the record has no table with two columns of numbers: name `x` and `y`"
+            )
         points = [(r[x], r[y]) for r in rows if r.get(x) is not None and r.get(y) is not None]
         ax.plot([p[0] for p in points], [p[1] for p in points], "o")
         ax.set_xlabel(x)

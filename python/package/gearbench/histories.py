@@ -38,6 +38,8 @@ class TimeSeries(Mapping[str, FloatArray]):
 
     time_s: FloatArray
     columns: dict[str, FloatArray]
+    # Where the run has written the histories.
+    _written_at: dict[str, int]
 
     def __init__(self, time_s: Any = (), columns: Any = (), force: Any = None) -> None:
         self.time_s = np.asarray(time_s, dtype=np.float64)

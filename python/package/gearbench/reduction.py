@@ -1,4 +1,6 @@
-"""Reductions of gears to modes and static compliance, as arrays: those of gearbench, and those of other programs."""
+"""Reductions of gears to modes and static compliance, as arrays: those of gearbench, and those of
+other programs.
+"""
 
 from __future__ import annotations
 
@@ -18,17 +20,20 @@ from .studies import words_of
 
 
 class Reduction:
-    """Flank nodes, modes and static compliance of a gear, with the names of the stored format (`.npz`).
+    """Flank nodes, modes and static compliance of a gear, with the names of the stored format
+    (`.npz`).
 
     Parameters
     ----------
     meta : mapping
         Source, mount, teeth and other data in words.
     arrays : mapping of str to array_like
-        Arrays in SI units: ``omega_rad_s`` of shape (modes,), ``shapes_per_sqrt_kg`` of shape (rows, modes),
-        ``flank_compliance_m_per_n`` and others. The page on the format in the book lists all of them.
+        Arrays in SI units: ``omega_rad_s`` of shape (modes,), ``shapes_per_sqrt_kg`` of shape
+        (rows, modes), ``flank_compliance_m_per_n`` and others. The page on the format in the book
+        lists all of them.
 
-    A model takes a reduction as it is: ``gb.Model(model="elastic", parameters={"reduction": reduction})``.
+    A model takes a reduction as it is:
+    ``gb.Model(model="elastic", parameters={"reduction": reduction})``.
     """
 
     meta: dict[str, Any]

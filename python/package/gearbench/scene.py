@@ -42,8 +42,8 @@ def over_time(
 ) -> dict[str, Any]:
     """Return a load or a motion that follows a function of time.
 
-    The function is called once for each sample, before the run, and values are linear between samples: a run takes as
-    long as with a table of a file.
+    The function is called once for each sample, before the run, and values are linear between
+    samples: a run takes as long as with a table of a file.
 
     Parameters
     ----------
@@ -54,7 +54,8 @@ def over_time(
     samples : int
         Number of evenly spaced samples.
     key : str
-        Key of the values: ``torque_nm`` or ``force_n`` of loads, ``speed_rad_s`` or ``speed_m_s`` of motions.
+        Key of the values: ``torque_nm`` or ``force_n`` of loads, ``speed_rad_s`` or ``speed_m_s``
+        of motions.
 
     >>> over_time(lambda t: 5.0 * t, 2.0, samples=3)
     {'table': {'time_s': [0.0, 1.0, 2.0], 'torque_nm': [0.0, 5.0, 10.0]}}
@@ -156,7 +157,8 @@ class Planetary(Parts):
     angles_deg : sequence of float, optional
         Angles of the pins; evenly spaced if it is left out.
     carrier : mapping
-        Keys of the carrier as a body on its shaft, as ``inertia_kgm2``, ``speed_rad_s`` and ``loads``; see `Station`.
+        Keys of the carrier as a body on its shaft, as ``inertia_kgm2``, ``speed_rad_s`` and
+        ``loads``; see `Station`.
     start : mapping
         Start of the first mesh of a planet and the ring. The other meshes close loops, and follow.
     """
@@ -187,8 +189,10 @@ class Planetary(Parts):
             Mesh(gears=["sun", name], centre_distance_m=d, direction_deg=float(a) or None)
             for name, d, a in zip(names, distances, angles)
         ]
-        outer = [Mesh(gears=[name, "ring"], start=start if i == 0 else None)
-                 for i, name in enumerate(names)]
+        outer = [
+            Mesh(gears=[name, "ring"], start=start if i == 0 else None)
+            for i, name in enumerate(names)
+        ]
         station = {"body": "carrier", "at_m": 0.0, "planets": names, **carrier}
         super().__init__(gears, [*inner, *outer], [Shaft(name="arm", carries=[station])])
 
@@ -218,8 +222,9 @@ class Simulation:
         Parameters
         ----------
         observer : callable, optional
-            Called after each accepted step with the time [s], the coordinates and the velocities (arrays, rad and m).
-            The run ends where it returns True. A Python function costs about a microsecond a step.
+            Called after each accepted step with the time [s], the coordinates and the velocities
+            (arrays, rad and m). The run ends where it returns True. A Python function costs about
+            a microsecond a step.
 
         Returns
         -------
@@ -249,9 +254,11 @@ class Scene:
     *parts : Parts
         Pairs, trains and planetary sets, whose gears, meshes and shafts come first.
     **keys
-        Keys of the scene file: ``name``, ``duration_s``, ``gears``, ``meshes``, ``models``, ``study`` and others.
+        Keys of the scene file: ``name``, ``duration_s``, ``gears``, ``meshes``, ``models``,
+        ``study`` and others.
 
-    A scene does not change: `replace` and `changed` return another one. Scenes are equal if their files say the same.
+    A scene does not change: `replace` and `changed` return another one. Scenes are equal if their
+    files say the same.
 
     >>> import gearbench as gb
     >>> gear = gb.Gear(teeth=20, module_m=4e-3, face_width_m=10e-3, speed_rad_s=20.0)
@@ -377,7 +384,8 @@ class Scene:
         return made
 
     def changed(self, changes: Mapping[str, Any]) -> Scene:
-        """Return the scene with other values at the paths of keys; comments and layout of its text stay.
+        """Return the scene with other values at the paths of keys; comments and layout of its text
+        stay.
 
         >>> scene = Scene.load("hammer").changed({"gears.pinion.speed_rad_s": 30.0})
         >>> scene.gears["pinion"].speed_rad_s
@@ -428,17 +436,18 @@ class Scene:
         model : str, optional
             Label of the model; the first of the scene's study if it is left out.
         method : str, optional
-            Integrator with step or tolerance, as ``dopri5@1e-6`` or ``trigonometric@1us``; that of the scene if it is left
-            out.
+            Integrator with step or tolerance, as ``dopri5@1e-6`` or ``trigonometric@1us``; that of
+            the scene if it is left out.
         samples : int, optional
-            Number of samples of the histories over the duration; that of the scene if it is left out.
+            Number of samples of the histories over the duration; that of the scene if it is left
+            out.
         timeout : float, optional
             Bound on the processor time of the run [s].
         events : bool
             Locate contact events.
         histories : bool
-            Also record the forces of tooth pairs, contact events and loads over the flanks, which takes longer than
-            the run of rigid gears itself.
+            Also record the forces of tooth pairs, contact events and loads over the flanks, which
+            takes longer than the run of rigid gears itself.
         """
         key = (model, method, samples, timeout, events, histories)
         known = self._simulations.get(key)
@@ -461,7 +470,8 @@ class Scene:
         events: bool = True,
         histories: bool = False,
     ) -> records.Run:
-        """Run one model under one integrator; see `simulation` for the arguments and `Simulation.run` for the result.
+        """Run one model under one integrator; see `simulation` for the arguments and
+        `Simulation.run` for the result.
 
         >>> run = Scene.load("hammer").run(model="rigid", method="dopri5@1e-6")
         >>> run.status

@@ -1,6 +1,7 @@
 """Studies as calls, with the arguments of their commands.
 
-Names, meanings, defaults and checks of arguments are those of the commands; nothing of it is written here again.
+Names, meanings, defaults and checks of arguments are those of the commands; nothing of it is
+written here again.
 """
 
 from __future__ import annotations
@@ -16,7 +17,8 @@ from . import _native
 from ._names import STUDIES, python_name
 from .errors import Interrupted
 
-# Studies whose results are files besides the record: without `out` they have a folder that lives as long as the result.
+# Studies whose results are files besides the record: without `out` they have a folder that lives
+# as long as the result.
 WITH_FILES = ("choose", "scan")
 
 Argument = tuple[str, str, str, str, bool, bool]
@@ -157,7 +159,8 @@ def _study(command: str, about: str, arguments: Sequence[Argument]) -> Callable[
 def _documented(command: str, about: str, arguments: Sequence[Argument]) -> str:
     text = f"{about}.\n\nParameters\n----------\nscene : Scene or str\n"
     text += "    The scene, or its name or path.\nprogress : callable or True, optional\n"
-    text += "    Called with the pieces done, their number (0 if unknown) and the present one; True for tqdm.\n"
+    text += "    Called with the pieces done, their number (0 if unknown) and the present one;\n"
+    text += "    True for a bar of tqdm.\n"
     if command == "scan":
         text += "executor : concurrent.futures.Executor, optional\n"
         text += "    Runs the parts of the scan; each part is one future.\n"

@@ -29,7 +29,11 @@ Text = str | os.PathLike[str]
 Progress = Callable[[int, int, str], object] | bool
 
 def execute(
-    command: str, words: Sequence[str], scene: Any, progress: Any, keeps: Any
+    command: str,
+    words: Sequence[str],
+    scene: Any,
+    progress: Any,
+    keeps: Any,
 ) -> Any: ...
 def words_of(arguments: Sequence[Any], options: Mapping[str, Any]) -> list[str]: ...
 def _observer(progress: Any, title: str) -> Any: ...

@@ -1,6 +1,7 @@
 """Tables of scenes: a class for each, whose keywords are the keys of the scene file.
 
-The keys, their units and their checks are those of the types that read scene files; nothing of it is written here again.
+The keys, their units and their checks are those of the types that read scene files; nothing of it
+is written here again.
 """
 
 from __future__ import annotations
@@ -121,7 +122,9 @@ def _made(name: str, rust: str, keys: list[tuple[str, str, str, bool]]) -> type[
     made = type(name, (Table,), fields)
     if keys:
         parameters = [
-            inspect.Parameter(python_name(key), kind, default=inspect.Parameter.empty if required else None)
+            inspect.Parameter(
+                python_name(key), kind, default=inspect.Parameter.empty if required else None
+            )
             for key, _, _, required in keys
         ]
         made.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
