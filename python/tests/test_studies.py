@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+import pickle
 import subprocess
 import sys
 
@@ -61,6 +62,10 @@ def test_results_are_tables_and_pages():
     rows = result.to_rows()
     assert [r["integrator"] for r in rows] == ["dopri5", "rk4"]
     assert rows[0]["force_l2 (self)"] == result.runs[0].metrics[0].force_l2
+    again = pickle.loads(pickle.dumps(result))
+    assert again.to_rows() == rows and again.runs[0].steps == result.runs[0].steps
+    with pytest.raises(ValueError, match="copy"):
+        again.report("nowhere")
     assert "<table>" in result._repr_html_() and "dopri5" in result._repr_html_()
     run = result.runs[0]
     assert "<table>" in run.series._repr_html_() and "<table>" in run._repr_html_()

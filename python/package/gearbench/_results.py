@@ -102,6 +102,10 @@ class StudyResult(RecordBase):
     _native: Any = None
     _keeps: Any = None
 
+    def __getstate__(self) -> dict[str, Any]:
+        """Return what a copy in another process has: all but the report and the files."""
+        return {k: x for k, x in self.__dict__.items() if k not in ("_native", "_keeps")}
+
     def report(self, folder: str | os.PathLike[str]) -> str:
         """Write the folder of the study: the report `index.html`, `results.json`, tables and
         charts.
@@ -111,6 +115,8 @@ class StudyResult(RecordBase):
         str
             Path of the report, which opens offline.
         """
+        if self._native is None:
+            raise ValueError("a copy of a result has no report: write that of the original")
         runs = getattr(self, "runs", [])
         all_series = [getattr(run, "series", None) for run in runs]
         series = [None if s is None else (s.time_s, s.columns) for s in all_series]

@@ -117,6 +117,8 @@ def execute(command: str, words: Sequence[str], scene: Any, progress: Any, keeps
     observer = _observer(progress, command)
     try:
         answer = _native.run_study(list(words), source, text, observer)
+    except KeyboardInterrupt:
+        raise Interrupted("interrupted before there was a result") from None
     finally:
         if isinstance(observer, _Bar):
             observer.close()
