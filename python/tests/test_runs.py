@@ -155,18 +155,16 @@ def test_progress_is_reported_and_its_exceptions_end_the_study(scene):
         scene.compare(models="rigid", repeats=1, progress=fails)
 
 
-def test_the_overhead_of_a_call_is_small(scene):
-    """The issue asks for 20 us; the machine of a test may be busy, so that the bound is wider
-    here.
-    """
+def test_the_overhead_of_a_call_is_below_20_us(scene):
     simulation = scene.simulation("rigid", "dopri5@1e-6", samples=2)
     native = simulation._native
     native.run_repeatedly(50)
-    differences = []
-    for _ in range(7):
-        rust = native.run_repeatedly(200) / 200
+    rust, python = [], []
+    # In turns, and the least of each: other work of the machine comes and goes.
+    for _ in range(60):
+        rust.append(native.run_repeatedly(30) / 30)
         begin = time.perf_counter()
-        for _ in range(200):
+        for _ in range(30):
             simulation.run()
-        differences.append((time.perf_counter() - begin) / 200 - rust)
-    assert sorted(differences)[3] < 100e-6
+        python.append((time.perf_counter() - begin) / 30)
+    assert min(python) - min(rust) < 20e-6
