@@ -95,6 +95,7 @@ class StudyResult(RecordBase):
         Folder of the study, if it has written one.
     """
 
+    runs: list[Any]
     exit_code: int = 0
     exit_meaning: str = ""
     warnings: list[str] = []
