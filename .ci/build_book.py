@@ -5,6 +5,7 @@ copies the book and whatever it links to into one folder, follows the links of c
 warning of mdBook and on a link that leads nowhere.
 """
 
+import importlib.util
 import os
 import pathlib
 import re
@@ -46,6 +47,23 @@ def outside_code(text, change):
     """Applies a change to the text outside of fenced code."""
     parts = re.split(r"(^```.*?^```[^\n]*$)", text, flags=re.M | re.S)
     return "".join(part if i % 2 else change(part) for i, part in enumerate(parts))
+
+
+def stage_examples(source):
+    """Adds the examples in Python as pages, with what they have printed where `.ci/python.sh` has run them; their summary."""
+    spec = importlib.util.spec_from_file_location("notebooks", ROOT / "python" / "notebooks.py")
+    notebooks = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(notebooks)
+    lines = ["", "# Examples in Python", ""]
+    (source / "examples-in-python").mkdir(parents=True, exist_ok=True)
+    for path in sorted((ROOT / "python" / "examples").glob("*.py")):
+        made = ROOT / "target" / "notebooks" / f"{path.stem}.md"
+        cells = notebooks.cells(path.read_text(encoding="utf-8"))
+        text = made.read_text(encoding="utf-8") if made.exists() else notebooks.page(cells, [""] * len(cells))
+        (source / "examples-in-python" / made.name).write_text(text, encoding="utf-8")
+        title = text.partition("\n")[0].removeprefix("# ")
+        lines.append(f"- [{title}](examples-in-python/{made.name})")
+    return "\n".join(lines) + "\n"
 
 
 def stage():
@@ -91,8 +109,9 @@ def stage():
         text = path.read_text(encoding="utf-8")
         place.write_text(outside_code(text, lambda part: LINK.sub(changed, part)), encoding="utf-8")
     summary = source / "SUMMARY.md"
+    examples = stage_examples(source)
     listed = [f"- [{title}]({staged_place(ROOT / path).as_posix()})" for path, title in CHAPTERS.items() if (ROOT / path).is_file()]
-    summary.write_text(summary.read_text(encoding="utf-8") + "\n# Documents of the repository\n\n" + "\n".join(listed) + "\n", encoding="utf-8")
+    summary.write_text(summary.read_text(encoding="utf-8") + examples + "\n# Documents of the repository\n\n" + "\n".join(listed) + "\n", encoding="utf-8")
     shutil.copyfile(BOOK / "book.toml", STAGED / "book.toml")
 
 

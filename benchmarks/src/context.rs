@@ -1,4 +1,4 @@
-//! Models, messages, memory and interruption of a command or a study.
+//! Models, messages, memory and interruption of a command or a study, and the use of its record.
 //!
 //! A program makes a context and hands it on, to the loading of scenes first: a scene keeps its context, and the
 //! conditions of its studies have it from there. The thread that loads the scenes and runs the studies works
@@ -10,7 +10,32 @@ use crate::messages::Messages;
 use gearbench_models::gear::table::Model;
 use gearbench_reference::resources::Resources;
 use gearbench_reports::record::Source;
+use std::fmt;
 use std::sync::Arc;
+
+/// Use of the record of a study.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum RecordUse {
+    /// The record is written to a folder, as a command does; the result of the command has no histories.
+    #[default]
+    Written,
+    /// The record is returned with its histories. It is also written if the study names a folder; otherwise the study
+    /// has a folder of its own for the time that it runs.
+    Returned,
+}
+
+/// A function of the pieces done, their total number or 0, and the present piece.
+pub type ProgressFunction = dyn Fn(usize, usize, &str) + Send + Sync;
+
+/// The receiver of the progress of a study.
+#[derive(Clone)]
+pub struct ProgressObserver(pub Arc<ProgressFunction>);
+
+impl fmt::Debug for ProgressObserver {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("ProgressObserver")
+    }
+}
 
 /// Models, messages, memory and interruption of a command or a study; a clone is the same context.
 #[derive(Clone, Debug)]
@@ -19,12 +44,17 @@ pub struct Context {
     pub models: Arc<[Model]>,
     /// The request that its studies end.
     pub interruption: Interruption,
-    /// The source of the record that is rerun, which replaces its scene file and calibrations.
+    /// The source of the record that is rerun, or the text of a scene that a program made, which replace the file of that
+    /// name and its calibrations.
     pub rerun: Option<Arc<Source>>,
     /// Output and warnings.
     pub messages: Messages,
     /// Memory and cache.
     pub resources: Resources,
+    /// Use of the record of a study.
+    pub record: RecordUse,
+    /// Receives the progress of a study in place of the terminal.
+    pub progress: Option<ProgressObserver>,
 }
 
 impl Default for Context {
@@ -36,11 +66,25 @@ impl Default for Context {
             rerun: None,
             messages: Messages::default(),
             resources: Resources::default(),
+            record: RecordUse::default(),
+            progress: None,
         }
     }
 }
 
 impl Context {
+    /// Returns the context in which a scene of this name has a text in place of its file. Paths in it count from the
+    /// folder of the name.
+    #[must_use]
+    pub fn with_scene(mut self, name: &str, text: &str) -> Self {
+        self.rerun = Some(Arc::new(Source {
+            name: name.to_owned(),
+            scene: text.to_owned(),
+            ..Source::default()
+        }));
+        self
+    }
+
     /// Adds a model to the table. An existing model with the same id is kept.
     #[must_use]
     pub fn with_model(mut self, model: Model) -> Self {

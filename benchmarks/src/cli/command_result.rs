@@ -19,6 +19,8 @@ const LONG: [&str; 4] = ["series", "further", "histories", "contacts"];
 pub struct CommandResult {
     /// How the command ended.
     pub exit: Exit,
+    /// The record of a study with its histories, where the context has it [returned](crate::context::RecordUse).
+    pub record: Option<Box<Results>>,
     found: Map<String, Value>,
 }
 
@@ -27,8 +29,22 @@ impl CommandResult {
     pub fn done() -> Self {
         CommandResult {
             exit: Exit::Done,
+            record: None,
             found: Map::new(),
         }
+    }
+
+    /// The result of a study whose record is returned.
+    pub fn returning(results: Results) -> Self {
+        CommandResult {
+            record: Some(Box::new(results)),
+            ..CommandResult::done()
+        }
+    }
+
+    /// A key of the JSON object.
+    pub fn get(&self, key: &str) -> Option<&Value> {
+        self.found.get(key)
     }
 
     /// The result of a study: key `results` with the record, histories removed.

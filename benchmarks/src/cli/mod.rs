@@ -237,6 +237,126 @@ pub(crate) fn whole_scan(of_part: &str) -> Option<(String, Scan)> {
     }
 }
 
+/// An argument of a study, as its command declares it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ArgumentDescription {
+    /// Name of the option without dashes, or of the positional argument.
+    pub name: String,
+    /// Meaning of the argument.
+    pub help: String,
+    /// Default value as text; empty if there is none.
+    pub default: String,
+    /// Kind of its values.
+    pub kind: ArgumentKind,
+    /// True if the argument is a position and not an option.
+    pub is_positional: bool,
+    /// True if the option can be given several times.
+    pub is_repeated: bool,
+}
+
+/// Kind of the values of an argument.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ArgumentKind {
+    /// An option without value.
+    Flag,
+    /// A whole number.
+    Whole,
+    /// A number.
+    Number,
+    /// A text, or a value that is written as one.
+    Text,
+}
+
+/// A study, as its command declares it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct StudyDescription {
+    /// Name of the command.
+    pub name: String,
+    /// Purpose of the study.
+    pub about: String,
+    /// Its arguments, with those of all commands.
+    pub arguments: Vec<ArgumentDescription>,
+}
+
+/// Returns the descriptions of all studies, and of the reduction of gears.
+#[must_use]
+pub fn studies() -> Vec<StudyDescription> {
+    let command = Cli::command();
+    let global: Vec<&clap::Arg> = (command.get_arguments())
+        .filter(|a| a.get_id() == "memory")
+        .collect();
+    let names = StudyCommand::GROUPS.iter().map(|(name, _)| *name);
+    (names.chain(["reduce"]))
+        .filter_map(|name| command.find_subcommand(name))
+        .map(|study| StudyDescription {
+            name: study.get_name().to_owned(),
+            about: text_of(study.get_about()),
+            arguments: (study.get_arguments().chain(global.iter().copied()))
+                .filter(|a| !["help", "version"].contains(&a.get_id().as_str()))
+                .map(ArgumentDescription::of)
+                .collect(),
+        })
+        .collect()
+}
+
+fn text_of(text: Option<&clap::builder::StyledStr>) -> String {
+    text.map(ToString::to_string).unwrap_or_default()
+}
+
+impl ArgumentDescription {
+    fn of(argument: &clap::Arg) -> Self {
+        use clap::ArgAction;
+        use std::any::TypeId;
+        let values = argument.get_value_parser().type_id();
+        let is = |types: &[TypeId]| types.iter().any(|t| values == *t);
+        let whole = [
+            TypeId::of::<u32>(),
+            TypeId::of::<u64>(),
+            TypeId::of::<usize>(),
+        ];
+        let kind = match argument.get_action() {
+            ArgAction::SetTrue | ArgAction::SetFalse => ArgumentKind::Flag,
+            _ if is(&whole) => ArgumentKind::Whole,
+            _ if is(&[TypeId::of::<f64>()]) => ArgumentKind::Number,
+            _ => ArgumentKind::Text,
+        };
+        let defaults = argument.get_default_values().iter();
+        let defaults: Vec<_> = defaults.map(|d| d.to_string_lossy()).collect();
+        ArgumentDescription {
+            name: argument
+                .get_long()
+                .map_or_else(|| argument.get_id().to_string(), str::to_owned),
+            help: text_of(argument.get_help()),
+            default: match kind {
+                ArgumentKind::Flag => String::new(),
+                _ => defaults.join(","),
+            },
+            kind,
+            is_positional: argument.is_positional(),
+            is_repeated: matches!(argument.get_action(), ArgAction::Append)
+                && argument.get_value_delimiter().is_none(),
+        }
+    }
+}
+
+/// Runs a study, joins the parts of a scan, or reduces gears, from the words of the command line, without the program, in a context; the
+/// record stores the command.
+/// A program has the record [returned](crate::context::RecordUse::Returned).
+///
+/// # Errors
+/// A refusal of an argument or of the scene, or the failure of the study, as the command reports it.
+pub fn study(mut context: Context, words: &[String]) -> Result<CommandResult, Refusal> {
+    let line = command_line::join("gearbench", words);
+    let all = std::iter::once("gearbench".to_owned()).chain(words.iter().cloned());
+    let cli = Cli::read(all).map_err(|e| refusal_of(&e))?;
+    let command = match cli.command {
+        Some(command @ (Command::Study(_) | Command::Merge(_) | Command::Reduce(_))) => command,
+        _ => return Err(Refusal::Input(miette::miette!("`{line}` is no study"))),
+    };
+    context.resources.memory = Memory::of(cli.memory * 1e9);
+    context.resources.within(|| command.run(&context, &line))
+}
+
 /// Runs a command in a context and reports how it ended.
 pub fn run(mut context: Context, cli: Cli) -> ExitCode {
     context.messages.form = match (cli.json, cli.quiet) {
@@ -307,17 +427,21 @@ fn refuse(mut context: Context, e: &clap::Error) -> ExitCode {
     if std::env::args_os().any(|a| a == "--json") {
         context.messages.form = OutputForm::Json;
     }
+    terminal::end(
+        &context,
+        &terminal::command_line("gearbench"),
+        Err(refusal_of(e)),
+    )
+}
+
+/// The refusal of wrong arguments.
+fn refusal_of(e: &clap::Error) -> Refusal {
     let text = e.render().to_string();
     let mut parts = text.split("\n\n").map(str::trim).filter(|p| !p.is_empty());
     let message = parts.next().unwrap_or_default();
     let message = message.strip_prefix("error: ").unwrap_or(message);
     let help: Vec<&str> = parts.collect();
-    let report = miette::miette!(help = help.join("\n"), "{message}");
-    terminal::end(
-        &context,
-        &terminal::command_line("gearbench"),
-        Err(Refusal::Input(report)),
-    )
+    Refusal::Input(miette::miette!(help = help.join("\n"), "{message}"))
 }
 
 #[cfg(test)]
@@ -361,6 +485,54 @@ mod tests {
         assert_eq!(e.exit_code(), 2);
         let e = parse("gearbench comapre").unwrap_err().to_string();
         assert!(e.contains("compare"), "{e}");
+    }
+
+    /// A program has the record of a study with its histories, without a folder in the working directory.
+    #[test]
+    fn a_study_returns_its_record_and_reports_its_progress() {
+        use crate::context::{ProgressObserver, RecordUse};
+        use std::sync::{Arc, Mutex};
+        let seen: Arc<Mutex<Vec<usize>>> = Arc::default();
+        let own = seen.clone();
+        let observer = move |done, _: usize, _: &str| own.lock().unwrap().push(done);
+        let mut context = Context {
+            record: RecordUse::Returned,
+            progress: Some(ProgressObserver(Arc::new(observer))),
+            ..Context::default()
+        };
+        context.messages.form = OutputForm::Json;
+        let words = "compare hammer --models rigid --integrators dopri5@1e-5 --repeats 1";
+        let words: Vec<String> = words.split(' ').map(str::to_owned).collect();
+        let result = study(context.clone(), &words).unwrap();
+        let record = result.record.unwrap();
+        let histories = record.runs[0].histories.as_ref().unwrap();
+        assert!(histories.series.is_some() || record.runs[0].series.is_some());
+        assert!(result.exit == Exit::Done && !seen.lock().unwrap().is_empty());
+        assert!(!std::path::Path::new("out/hammer").exists());
+        let refused = study(context.clone(), &["compare".into(), "hamer".into()]);
+        assert!(matches!(refused, Err(Refusal::Input(_))));
+        assert!(study(context, &["list".into()]).is_err());
+    }
+
+    /// Programs offer the arguments of studies under their names, with the kinds of their values.
+    #[test]
+    fn studies_describe_their_arguments() {
+        let all = studies();
+        assert_eq!(all.len(), StudyCommand::GROUPS.len() + 1);
+        let compare = all.iter().find(|s| s.name == "compare").unwrap();
+        let kind = |name: &str| {
+            let found = compare.arguments.iter().find(|a| a.name == name);
+            found.map(|a| (a.kind, a.is_positional, a.default.as_str()))
+        };
+        assert_eq!(
+            kind("scene"),
+            Some((ArgumentKind::Text, true, "spur_impact"))
+        );
+        assert_eq!(kind("repeats"), Some((ArgumentKind::Whole, false, "3")));
+        assert_eq!(kind("timeout"), Some((ArgumentKind::Number, false, "30")));
+        assert_eq!(kind("no-events"), Some((ArgumentKind::Flag, false, "")));
+        assert_eq!(kind("memory"), Some((ArgumentKind::Number, false, "2")));
+        assert_eq!(kind("help"), None);
     }
 
     #[test]

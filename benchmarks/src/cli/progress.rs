@@ -1,5 +1,6 @@
 //! Progress of a study: a bar on a terminal, otherwise one line per minute.
 
+use crate::context::{Context, ProgressObserver};
 use crate::experiment::parallel::lock;
 use gearbench_reports::escape;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -57,23 +58,34 @@ pub struct Display {
     known: Arc<Mutex<ProgressState>>,
     bar: ProgressBar,
     begin: Instant,
+    observer: Option<ProgressObserver>,
     ticker: Option<(Sender<()>, JoinHandle<()>)>,
 }
 
 impl Display {
-    /// Starts the display; a length of 0 means that the number of pieces is unknown.
+    /// Starts the display on the terminal; a length of 0 means that the number of pieces is unknown.
     pub fn new(length: usize) -> Display {
-        let terminal = std::io::stderr().is_terminal();
+        Self::with(length, None)
+    }
+
+    /// Starts the display of a context, which is that on the terminal unless the context has an observer.
+    pub fn of(context: &Context, length: usize) -> Display {
+        Self::with(length, context.progress.clone())
+    }
+
+    fn with(length: usize, observer: Option<ProgressObserver>) -> Display {
+        let terminal = std::io::stderr().is_terminal() && observer.is_none();
         let known = Arc::new(Mutex::new(ProgressState {
             total: length,
             ..ProgressState::default()
         }));
         let begin = Instant::now();
         Display {
-            bar: progress_bar(length),
-            ticker: (!terminal).then(|| ticker(&known, begin)),
+            bar: progress_bar(length, terminal),
+            ticker: (!terminal && observer.is_none()).then(|| ticker(&known, begin)),
             known,
             begin,
+            observer,
         }
     }
 
@@ -84,6 +96,11 @@ impl Display {
         known.before.get_or_insert(done);
         (known.done, known.total) = (done, total);
         what.clone_into(&mut known.what);
+        if let Some(observer) = &self.observer {
+            drop(known);
+            (observer.0)(done, total, what);
+            return;
+        }
         self.bar.set_length(total as u64);
         self.bar.set_position(done as u64);
         let left = known.left(self.begin.elapsed());
@@ -120,8 +137,8 @@ impl Drop for Display {
 }
 
 /// Creates a bar on a terminal, and a hidden one otherwise.
-fn progress_bar(length: usize) -> ProgressBar {
-    if !std::io::stderr().is_terminal() {
+fn progress_bar(length: usize, terminal: bool) -> ProgressBar {
+    if !terminal {
         return ProgressBar::hidden();
     }
     let bar = ProgressBar::new(length as u64);

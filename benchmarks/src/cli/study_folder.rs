@@ -1,6 +1,9 @@
 //! The output folder of a study: locked and tested before the first run, with a journal of finished pieces, and finally
 //! with the record.
 //!
+//! A program that has the record [returned](RecordUse::Returned) and names no folder gives the study one of its own,
+//! without journal and record, which ends with the study.
+//!
 //! A folder belongs to one study of one scene with one choice of models. The same command works there again and again,
 //! also after the scene was edited. Another one is refused before it computes anything, unless it comes with `--force`.
 
@@ -12,7 +15,7 @@ use super::folder_lock::FolderLock;
 use super::measured;
 use super::progress::Display;
 use super::terminal::{Refusal, absolute};
-use crate::context::Context;
+use crate::context::{Context, RecordUse};
 use crate::experiment::budget::Budget;
 use crate::experiment::conditions::Progress;
 use crate::experiment::configuration::refused;
@@ -28,6 +31,7 @@ use gearbench_reports::record::{
 use serde::Deserialize;
 use std::io;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Name of the setting that marks an incomplete study.
 const INTERRUPTED_STUDY: &str = "interrupted";
@@ -52,6 +56,8 @@ pub struct StudyFolder {
     measured: Vec<MeasuredCurve>,
     /// Rows of models that cannot run the scene.
     refused: Vec<Run>,
+    /// True if the folder ends with the study.
+    is_temporary: bool,
     /// True if the journal in the folder belongs to this study.
     has_journal: bool,
     /// The lock of the folder, held until the study ends.
@@ -128,7 +134,12 @@ impl StudyFolder {
     ) -> Result<Self, Refusal> {
         let measured = output.measured.iter().map(|p| measured::read(p));
         let measured: Vec<Vec<MeasuredCurve>> = measured.collect::<Result<_, _>>()?;
-        let path = (output.out.clone()).unwrap_or_else(|| Path::new("out").join(name).join(study));
+        let is_temporary = output.out.is_none() && context.record == RecordUse::Returned;
+        let path = match (&output.out, is_temporary) {
+            (Some(path), _) => path.clone(),
+            (None, true) => temporary_path(),
+            (None, false) => Path::new("out").join(name).join(study),
+        };
         let fail = |e: io::Error| Refusal::Files(format!("{}: {e}", path.display()));
         let subject = Subject {
             study: study.to_owned(),
@@ -148,7 +159,12 @@ impl StudyFolder {
             source,
             measured: measured.concat(),
             refused: Vec::new(),
+            is_temporary,
         };
+        if is_temporary {
+            context.interruption.defer();
+            return Ok(folder);
+        }
         remove_staging(&path);
         for input in inputs.iter().chain(&output.measured) {
             refuse_input(&path, input)?;
@@ -180,7 +196,7 @@ impl StudyFolder {
 
     /// Runs a study of `length` runs with a display of its progress; 0 if the number is unknown.
     pub fn run<T>(&mut self, length: usize, study: impl FnOnce(&Runner<'_>) -> T) -> T {
-        let display = Display::new(length);
+        let display = Display::of(&self.context, length);
         let progress = |done, total, what: &str| display.report_progress(done, total, what);
         study(&self.runner(&progress))
     }
@@ -192,7 +208,7 @@ impl StudyFolder {
         length: usize,
         study: impl FnOnce(&Runner<'_>) -> T,
     ) -> T {
-        let display = Display::new(length);
+        let display = Display::of(&self.context, length);
         let progress = |done, total, what: &str| display.report_progress(done, total, what);
         study(&self.runner(&progress).within(budget))
     }
@@ -200,6 +216,7 @@ impl StudyFolder {
     /// Creates the runner of the pieces of the study. The first call hands the journal over to it.
     pub fn runner<'a>(&mut self, progress: Progress<'a>) -> Runner<'a> {
         match self.journal.take() {
+            None if self.is_temporary => Runner::of(self.context.clone()).reporting(progress),
             Some(journal) => {
                 let runner = Runner::new(self.context.clone(), journal, progress);
                 runner.announcing(&|context, pieces| {
@@ -270,8 +287,28 @@ impl StudyFolder {
         }
         results.header.source.clone_from(&self.source);
         results.measured.clone_from(&self.measured);
+        let ending = match (stopped, self.refused.is_empty()) {
+            (true, _) => Exit::Interrupted,
+            (false, true) => exit(&results),
+            // Some of the requested models could not run.
+            (false, false) => Exit::FailedRun,
+        };
+        if self.is_temporary {
+            if let Some(text) = damping_differs(&results.mesh_modes) {
+                self.context.messages.warn(&text);
+            }
+            return Ok(CommandResult::returning(results).ending(ending));
+        }
         let page = gearbench_reports::write_results(&self.path, &results)
             .map_err(|e| Refusal::Files(e.to_string()))?;
+        let histories: Vec<_> = match self.context.record {
+            RecordUse::Returned => results
+                .runs
+                .iter_mut()
+                .map(|r| r.histories.take())
+                .collect(),
+            RecordUse::Written => Vec::new(),
+        };
         // They are in files of their own now, and as values of an answer they would take many times their memory.
         results.runs.iter_mut().for_each(|r| r.histories = None);
         summarise(&self.context.messages, &results);
@@ -292,13 +329,16 @@ impl StudyFolder {
             .messages
             .print_line(&format!("report: {}", page.display()));
         self.close();
-        let answer = (CommandResult::of(&results).with("record", &record)).with("report", &page);
-        Ok(answer.ending(match (stopped, self.refused.is_empty()) {
-            (true, _) => Exit::Interrupted,
-            (false, true) => exit(&results),
-            // Some of the requested models could not run.
-            (false, false) => Exit::FailedRun,
-        }))
+        let answer = match self.context.record {
+            RecordUse::Written => CommandResult::of(&results),
+            RecordUse::Returned => {
+                for (run, own) in results.runs.iter_mut().zip(histories) {
+                    run.histories = own;
+                }
+                CommandResult::returning(results)
+            }
+        };
+        Ok((answer.with("record", &record).with("report", &page)).ending(ending))
     }
 
     /// Prints the damping of the mesh mode of each model, and a warning if models differ in it.
@@ -352,6 +392,12 @@ fn none_can_run(rows: &[Run]) -> Refusal {
 impl Drop for StudyFolder {
     /// Removes a journal without finished pieces, and the folders that were created for the study if they are empty.
     fn drop(&mut self) {
+        if self.is_temporary {
+            self.lock = None;
+            // A folder that cannot be removed is one of the system's for temporary files.
+            let _ = std::fs::remove_dir_all(&self.path);
+            return;
+        }
         let journal = self.path.join(JOURNAL);
         // The journal of another process does not belong to this study.
         if self.has_journal && pieces(&journal) == 0 {
@@ -366,6 +412,13 @@ impl Drop for StudyFolder {
             }
         }
     }
+}
+
+/// A path for the folder of a study that ends with the study, which no other study has.
+fn temporary_path() -> PathBuf {
+    static STUDIES: AtomicU64 = AtomicU64::new(0);
+    let number = STUDIES.fetch_add(1, Ordering::Relaxed);
+    std::env::temp_dir().join(format!("gearbench-{}-{number}", std::process::id()))
 }
 
 /// Number of finished pieces in a journal: its lines without the first.

@@ -90,6 +90,13 @@ impl<'a> Runner<'a> {
         }
     }
 
+    /// Sets the callback for progress.
+    #[must_use]
+    pub fn reporting(mut self, progress: Progress<'a>) -> Self {
+        self.progress = progress;
+        self
+    }
+
     /// Sets the callback for the number of pieces that are taken from an interrupted start. It is called once, before
     /// the first piece is computed or at the end.
     #[must_use]

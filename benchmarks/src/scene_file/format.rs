@@ -41,6 +41,7 @@
 pub use super::SceneTable;
 pub use super::calibration::OneOrOfGear;
 pub use super::calibration_choice::{CalibrationChoice, CalibrationTable};
+pub use super::changes::{KeyPath, set_at};
 pub use super::contact::{
     ContactTable, DamperTable, DampingTable, FilmTable, FrictionTable, RatioTable, RestitutionTable,
 };
@@ -59,7 +60,8 @@ pub use super::out_of_plane::{
 };
 pub use super::profile::*;
 pub use super::reading::serializer::WriteError;
-pub(crate) use super::reading::serializer::{number, to_value};
+pub use super::reading::serializer::number;
+pub(crate) use super::reading::serializer::to_value;
 pub use super::reading::values::*;
 pub use super::references::ReferenceTable;
 pub use super::shaft::{SectionTable, ShaftTable, StationTable};
@@ -71,11 +73,75 @@ pub use super::study_plan::{IntegratorTable, StudyTable, ToleranceChoice, Tolera
 pub use super::{SceneName, Schema};
 
 use super::reading::Document;
+use super::reading::keys;
 use super::{Origin, SceneError, SceneFile, known_words};
 use crate::context::Context;
 use serde::Serialize;
 use serde::ser::Error as _;
 use toml_edit::{ArrayOfTables, DocumentMut, InlineTable, Item, Table, Value};
+
+/// A key of a table, as it is declared.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct KeyDescription {
+    /// Name of the key with its unit.
+    pub name: &'static str,
+    /// Meaning, unit and default.
+    pub meaning: String,
+    /// The Rust type into which its value is read.
+    pub type_name: &'static str,
+    /// True if a file must have the key.
+    pub is_required: bool,
+}
+
+/// A table of the format with its keys.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct TableDescription {
+    /// Name of the type into which the table is read, for example `GearTable`.
+    pub name: &'static str,
+    /// The keys in the order of their declaration.
+    pub keys: Vec<KeyDescription>,
+}
+
+/// Returns the descriptions of all tables of scene files and check files.
+#[must_use]
+pub fn tables() -> Vec<TableDescription> {
+    let of_key = |((name, meaning), (type_name, attributes)): (
+        &(&'static str, &str),
+        &(&'static str, &str),
+    )| {
+        KeyDescription {
+            name,
+            meaning: meaning.split_whitespace().collect::<Vec<_>>().join(" "),
+            type_name,
+            is_required: !type_name.starts_with("Option") && !attributes.starts_with("default"),
+        }
+    };
+    let of_table = |table: &keys::Table| TableDescription {
+        name: table.name,
+        keys: table.keys.iter().zip(table.types).map(of_key).collect(),
+    };
+    keys::tables().map(of_table).collect()
+}
+
+/// Reads the text of one table alone by the name of its type, also of the choices [`StiffnessTable`], [`DampingTable`],
+/// [`GearLoad`] and [`RackLoad`]. The names of gears and models may be any, as the scene defines them. `None` if there
+/// is no such type.
+///
+/// # Errors
+/// [`SceneError`] with the line of the text.
+pub fn check_table(type_name: &str, name: &str, text: &str) -> Option<Result<(), SceneError>> {
+    fn read<T: serde::de::DeserializeOwned>(name: &str, text: &str) -> Result<(), SceneError> {
+        Document::read::<T>(name, text, |_| Vec::new()).map(|_| ())
+    }
+    let check = match type_name {
+        "StiffnessTable" => read::<StiffnessTable>,
+        "DampingTable" => read::<DampingTable>,
+        "GearLoad" => read::<GearLoad>,
+        "RackLoad" => read::<RackLoad>,
+        _ => keys::tables().find(|t| t.name == type_name)?.check,
+    };
+    Some(check(name, text))
+}
 
 impl SceneTable {
     /// Reads the tables of a scene file, each value by itself.
@@ -114,6 +180,23 @@ impl SceneTable {
         let name = format!("{}.toml", self.name.0);
         SceneFile::parse(context, &name, &text, Origin::Shipped, true)
     }
+}
+
+/// Lays the tables of a scene out as its file has them: one table under a header for each gear, mesh, shaft, reference
+/// and model.
+#[must_use]
+pub fn laid_out(tables: InlineTable) -> DocumentMut {
+    let mut document = DocumentMut::new();
+    for (key, value) in tables {
+        let is_plain = |list: &toml_edit::Array| list.iter().any(|m| !m.is_inline_table());
+        let item = match value {
+            // The reader refuses such a list with its line.
+            Value::Array(list) if is_plain(&list) => Item::Value(list.into()),
+            value => with_headers(&key, value),
+        };
+        document.insert(&key, item);
+    }
+    document
 }
 
 /// Writes the parts of a file.

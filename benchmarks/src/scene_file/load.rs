@@ -83,7 +83,7 @@ impl SceneFile {
     }
 
     fn build(&mut self, chosen: &[usize], calibrated: bool) -> Result<(), SceneError> {
-        let display = Display::new(chosen.len());
+        let display = Display::of(&self.context, chosen.len());
         let known = self.refused.len();
         let odd = self.check(chosen, calibrated, &|done, label| {
             display.report_progress(done, chosen.len(), &format!("building the model `{label}`"));

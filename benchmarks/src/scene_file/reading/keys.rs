@@ -1,6 +1,6 @@
 //! Tables of keys of the scene format.
 
-use super::super::SceneTable;
+use super::super::{SceneError, SceneTable};
 use super::super::{
     calibration_choice, contact, contact_points, damping, deviations, gear, material, measured,
     mesh, model, modifications, out_of_plane, profile, references, shaft, stage, stiffness,
@@ -15,6 +15,11 @@ pub(crate) struct Table {
     pub(crate) name: &'static str,
     /// Each key with its meaning.
     pub(crate) keys: &'static [(&'static str, &'static str)],
+    /// The type of each key, and its attributes for serde, as they are declared.
+    pub(crate) types: &'static [(&'static str, &'static str)],
+    /// Reads the text of a table alone, whose names of gears and models may be any. The first argument is the name of
+    /// the text in errors.
+    pub(crate) check: fn(&str, &str) -> Result<(), SceneError>,
 }
 
 impl Table {
@@ -119,6 +124,10 @@ macro_rules! keys {
                 $crate::scene_file::reading::keys::Table {
                     name: stringify!($name),
                     keys: &[$((stringify!($field), concat!($($doc),*))),*],
+                    types: &[$((stringify!($type), concat!($(stringify!($($serde)*)),*))),*],
+                    check: |name, text| {
+                        $crate::scene_file::reading::Document::read::<$name>(name, text, |_| Vec::new()).map(|_| ())
+                    },
                 };
         }
     )* };

@@ -25,7 +25,8 @@ pub(crate) fn to_value(value: &impl Serialize) -> Result<Option<Value>, WriteErr
 
 /// A number in the shortest form that reads back to it; one that is not finite is written as such, and refused by the
 /// reader with its line.
-pub(crate) fn number(x: f64) -> Value {
+#[must_use]
+pub fn number(x: f64) -> Value {
     let short = match x.abs() {
         0.0 => return Value::from(0.0),
         size if (1e-3..1e6).contains(&size) => format!("{x:?}"),

@@ -89,3 +89,47 @@ fn values_of_programs_are_refused_by_their_text() {
     let e = tables.load(&Context::default()).unwrap_err();
     assert!(e.message().contains("finite"), "{}", e.to_text());
 }
+
+/// Programs make tables by the descriptions of their keys, and have each checked by the type that reads it.
+#[test]
+fn tables_are_described_and_checked_alone() {
+    let all = tables();
+    let gear = all.iter().find(|t| t.name == "GearTable").unwrap();
+    let teeth = gear.keys.iter().find(|k| k.name == "teeth").unwrap();
+    assert!(teeth.is_required && !teeth.meaning.is_empty());
+    let shift = gear.keys.iter().find(|k| k.name == "speed_rad_s").unwrap();
+    assert!(!shift.is_required && shift.type_name.starts_with("Option"));
+    let check = |kind: &str, text: &str| check_table(kind, "a table", text).unwrap();
+    check(
+        "GearTable",
+        "teeth = 20\nmodule_m = 4e-3\nface_width_m = 0.01",
+    )
+    .unwrap();
+    let e = check(
+        "GearTable",
+        "teeth = 20\nmodul_m = 4e-3\nface_width_m = 0.01",
+    )
+    .unwrap_err();
+    assert_eq!(e.line(), Some(2));
+    assert!(e.help_text().unwrap().contains("module_m"));
+    check("MeshTable", "gears = [\"any\", \"other\"]").unwrap();
+    check(
+        "StiffnessTable",
+        "kind = \"constant\"\nstiffness_n_per_m2 = 1e10",
+    )
+    .unwrap();
+    check("GearLoad", "torque_nm = 1.0").unwrap();
+    assert!(check_table("NoTable", "a table", "").is_none());
+}
+
+/// A scene that a program makes as a table has the text of the table, also where a list has no tables.
+#[test]
+fn a_table_is_laid_out_as_its_file() {
+    let text = "schema = 1\n[gears.a]\nteeth = 20\n[[meshes]]\ngears = [\"a\", \"b\"]\n";
+    let document: toml_edit::DocumentMut = text.parse().unwrap();
+    let table = document.as_table().clone().into_inline_table();
+    assert_eq!(laid_out(table).to_string().replace("\n\n", "\n"), text);
+    let wrong: toml_edit::DocumentMut = "models = [\"rigid\"]".parse().unwrap();
+    let table = wrong.as_table().clone().into_inline_table();
+    assert!(laid_out(table).to_string().contains("rigid"));
+}

@@ -58,7 +58,7 @@ pub fn run(context: &Context, args: &Choose, command: &str) -> Result<CommandRes
         metric: args.metric,
         tolerance: args.tolerance,
     };
-    let display = Display::new(0);
+    let display = Display::of(context, 0);
     let choice = choose(&problem, &requirement, |what| display.message(what));
     drop(display);
     if context.interruption.is_requested() {

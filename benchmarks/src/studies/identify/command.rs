@@ -103,7 +103,7 @@ pub fn run(context: &Context, args: &Identify, command: &str) -> Result<CommandR
         );
         let all: Vec<&str> = plan.data.iter().map(|d| d.name.as_str()).collect();
         names = all.join(" and ");
-        let display = Display::new(0);
+        let display = Display::of(context, 0);
         let fit = || {
             identify(&plan, &runner, |n, error| {
                 display.message(&format!(

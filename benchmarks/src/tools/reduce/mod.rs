@@ -69,7 +69,7 @@ struct ReducedGear {
 /// Reduces the gears, prints the summaries and writes the requested files.
 pub fn run(context: &Context, args: &Arguments) -> Result<CommandResult, Refusal> {
     let mut jobs = Vec::new();
-    let display = Display::new(0);
+    let display = Display::of(context, 0);
     for input in &args.inputs {
         display.message(&format!("reading {input}"));
         match is_deck(input) {

@@ -61,7 +61,7 @@ pub fn run(context: &Context, args: &Reference, command: &str) -> Result<Command
     };
     overwriting.check(&args.out)?;
     context.interruption.defer();
-    let display = Display::new(2);
+    let display = Display::of(context, 2);
     display.report_progress(0, 2, &format!("{} under {}", choice.label, method));
     let row = row(args, &other, &choice, &method)?;
     if row.status.is_failure() {

@@ -1,0 +1,136 @@
+"""Scans in parts by an executor: the same table as without, also where workers die."""
+
+from __future__ import annotations
+
+import os
+import signal
+import sys
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+
+import gearbench as gb
+import pytest
+from gearbench import _campaign
+
+VARY = {"gears.pinion.speed_rad_s": "10..100:12"}
+
+
+def cells(result):
+    with open(os.path.join(result.folder, "cells.csv"), encoding="utf-8") as file:
+        return file.read()
+
+
+@pytest.fixture(scope="module")
+def plain():
+    return cells(gb.scan("spur_impact", vary=VARY, models="rigid"))
+
+
+def test_threads(plain):
+    seen = []
+    with ThreadPoolExecutor(2) as threads:
+        result = gb.scan(
+            "spur_impact", vary=VARY, models="rigid", executor=threads, shards=5,
+            progress=lambda *of: seen.append(of),
+        )  # fmt: skip
+    assert cells(result) == plain
+    assert seen[-1][:2] == (5, 5)
+
+
+def die_once(marker):
+    """The first worker of a pool that begins to work dies."""
+    run_part = _campaign.run_part
+
+    def mortal(*call):
+        try:
+            os.close(os.open(marker, os.O_CREAT | os.O_EXCL))
+        except FileExistsError:
+            return run_part(*call)
+        os.kill(os.getpid(), signal.SIGKILL)
+
+    _campaign.run_part = mortal
+    mortal.__module__, mortal.__qualname__ = "gearbench._campaign", "run_part"
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="signals")
+def test_a_worker_that_dies_costs_its_parts(plain, tmp_path):
+    marker = str(tmp_path / "died")
+    pools = []
+
+    def pool():
+        import multiprocessing
+
+        pools.append(
+            ProcessPoolExecutor(
+                2, multiprocessing.get_context("spawn"), initializer=die_once, initargs=(marker,)
+            )
+        )
+        return pools[-1]
+
+    result = gb.scan("spur_impact", vary=VARY, models="rigid", executor=pool, shards=4)
+    assert os.path.exists(marker) and len(pools) > 1
+    assert cells(result) == plain
+    for own in pools:
+        own.shutdown()
+
+
+def test_a_scan_goes_on_after_its_finished_parts(plain, tmp_path, monkeypatch):
+    out = tmp_path / "scan"
+    calls = []
+    whole = _campaign.run_part
+
+    def counted(*call):
+        calls.append(call)
+        if len(calls) == 3:
+            raise gb.SceneError("stopped here")
+        return whole(*call)
+
+    monkeypatch.setattr(_campaign, "run_part", counted)
+    again = {"vary": VARY, "models": "rigid", "shards": 4, "out": out}
+    with ThreadPoolExecutor(1) as threads:
+        with pytest.raises(gb.SceneError, match="stopped"):
+            gb.scan("spur_impact", executor=threads, **again)
+        threads.submit(int).result()
+        result = gb.scan("spur_impact", executor=threads, **again)
+    assert cells(result) == plain
+    assert not (tmp_path / "scan.parts").exists()
+    assert len(calls) < 8
+
+
+def test_a_part_that_always_fails_ends_the_scan(monkeypatch):
+    calls = []
+
+    def fails(*call):
+        calls.append(call)
+        raise OSError("no disk")
+
+    monkeypatch.setattr(_campaign, "run_part", fails)
+    with ThreadPoolExecutor(1) as threads:
+        with pytest.raises(gb.RunFailed, match="no disk"):
+            gb.scan("spur_impact", vary=VARY, models="rigid", executor=threads, shards=1, retries=2)
+    assert len(calls) == 3
+
+
+def test_a_scene_that_is_refused_ends_the_scan():
+    with ThreadPoolExecutor(1) as threads:
+        with pytest.raises(gb.SceneError, match="no model"):
+            gb.scan("spur_impact", vary=VARY, models="none", executor=threads, shards=2)
+
+
+def test_a_local_dask_cluster_of_which_a_worker_is_killed(plain, tmp_path):
+    distributed = pytest.importorskip("distributed")
+    with distributed.LocalCluster(
+        n_workers=2, threads_per_worker=1, dashboard_address=None
+    ) as cluster:
+        with distributed.Client(cluster) as client:
+            pids = list(client.run(os.getpid).values())
+            killed = []
+
+            def kill(done, total, what):
+                if not killed:
+                    killed.append(pids[0])
+                    os.kill(pids[0], signal.SIGKILL)
+
+            result = gb.scan(
+                "spur_impact", vary=VARY, models="rigid", executor=client.get_executor(),
+                shards=8, progress=kill,
+            )  # fmt: skip
+    assert killed and cells(result) == plain

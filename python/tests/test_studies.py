@@ -1,0 +1,102 @@
+"""Studies as calls: arguments, results, tables and charts."""
+
+from __future__ import annotations
+
+import inspect
+import pickle
+import subprocess
+import sys
+
+import gearbench as gb
+import numpy as np
+import pytest
+
+
+@pytest.mark.parametrize("name", gb._names.STUDIES)
+def test_a_study_has_the_arguments_of_its_command(name):
+    study = getattr(gb, name.replace("-", "_"))
+    own = {s[0]: s[2] for s in gb._native.study_arguments()}[name]
+    expected = {gb._names.python_name(a[0]) for a in own}
+    found = set(inspect.signature(study).parameters) - {"progress", "executor", "shards", "retries"}
+    assert found == expected and "memory" in found and "scene" in found
+    assert all(f"{n} :" in study.__doc__ for n in expected)
+
+
+def test_wrong_arguments_are_refused():
+    with pytest.raises(TypeError, match="did you mean `models`"):
+        gb.compare("hammer", model="rigid")
+    with pytest.raises(gb.SceneError, match="did you mean `rigid`"):
+        gb.compare("hammer", models="rigit")
+    with pytest.raises(gb.SceneError, match="no integrator `rk5`"):
+        gb.compare("hammer", integrators="rk5@1us")
+    with pytest.raises(gb.SceneError, match="not in 1..=1000"):
+        gb.compare("hammer", repeats=0)
+
+
+@pytest.mark.filterwarnings("ignore::gearbench.SceneWarning")
+def test_studies_return_records_with_arrays():
+    scene = gb.Scene.load("spur_impact")
+    stiffness = scene.stiffness(models="rigid", positions=8)
+    assert stiffness.stiffness[0].mesh_stiffness_n_per_m2 > 0
+    assert len(stiffness.stiffness[0].positions) == 8
+    modes = gb.modes("driveline")
+    assert len(modes.vibrations[0].modes) > 3
+    response = gb.response("loaded_mesh", models="rigid")
+    assert response.responses[0].label == "rigid"
+    runup = gb.run_up("run_up", models="rigid")
+    assert runup.run_ups[0].label == "rigid"
+    fit = scene.identify(model="rigid")
+    assert fit.fits[0].evaluations > 0
+
+
+@pytest.mark.filterwarnings("ignore::gearbench.SceneWarning")
+def test_choose_returns_a_scene_that_runs():
+    scene = gb.Scene.load("spur_impact")
+    choice = scene.choose(metric="peak", tolerance=0.2, runs=1)
+    assert choice.choice is not None
+    assert choice.chosen.run().status in ("converged", "unchecked")
+
+
+def test_results_are_tables_and_pages():
+    result = gb.compare("hammer", models="rigid", integrators="dopri5@1e-6,rk4@1us", repeats=1)
+    rows = result.to_rows()
+    assert [r["integrator"] for r in rows] == ["dopri5", "rk4"]
+    assert rows[0]["force_l2 (self)"] == result.runs[0].metrics[0].force_l2
+    again = pickle.loads(pickle.dumps(result))
+    assert again.to_rows() == rows and again.runs[0].steps == result.runs[0].steps
+    with pytest.raises(ValueError, match="copy"):
+        again.report("nowhere")
+    assert "<table>" in result._repr_html_() and "dopri5" in result._repr_html_()
+    run = result.runs[0]
+    assert "<table>" in run.series._repr_html_() and "<table>" in run._repr_html_()
+    with pytest.raises(KeyError, match="there are"):
+        run.series["force"]
+
+
+def test_pandas_xarray_and_matplotlib_where_they_are_installed():
+    result = gb.compare("hammer", models="rigid", integrators="dopri5@1e-6", repeats=1)
+    run = result.runs[0]
+    pandas = pytest.importorskip("pandas")
+    frame = run.to_pandas()
+    assert isinstance(frame, pandas.DataFrame) and frame.index.name == "time_s"
+    assert len(result.to_pandas()) == 1
+    matplotlib = pytest.importorskip("matplotlib")
+    matplotlib.use("Agg")
+    assert len(run.plot().lines) == 1 and len(result.plot().lines) == 1
+    pytest.importorskip("xarray")
+    assert run.to_xarray()["speed_pinion_rad_s"].attrs["units"] == "rad/s"
+
+
+def test_the_package_needs_numpy_alone():
+    others = {"pandas", "xarray", "matplotlib", "tqdm"}
+    code = f"import sys, gearbench; print(sorted({others} & set(sys.modules)))"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"
+
+
+def test_a_scan_has_its_cells_as_arrays():
+    scan = gb.scan("spur_impact", vary={"gears.pinion.speed_rad_s": [10, 20, 40]}, models="rigid")
+    columns = scan.to_columns()
+    assert columns["gears.pinion.speed_rad_s"].tolist() == [10.0, 20.0, 40.0]
+    assert np.all(np.diff(columns["peak_force_n"]) > 0)
+    assert len(scan.to_rows()) == scan.cells == 3
