@@ -1,5 +1,6 @@
 //! Boxes of tetrahedra, of wedges, and of wedges with hexahedra, compared with CalculiX: the integration rules are
 //! equal, so that the frequencies agree to all printed digits.
+#![allow(clippy::print_stdout, reason = "observed figures")]
 
 use gearbench_models::stiffness::Material;
 use gearbench_reference::assembly::assemble;

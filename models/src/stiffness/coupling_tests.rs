@@ -1,4 +1,5 @@
 //! Pairs with common bodies, compared with finite elements.
+#![allow(clippy::print_stdout, reason = "observed figures")]
 
 use super::*;
 use crate::geometry::GearParams;

@@ -1,4 +1,5 @@
 //! Recognition of gears from their surface: generated ones and those of stored decks, rotated, moved and shuffled.
+#![allow(clippy::print_stdout, reason = "observed figures")]
 
 use super::*;
 use crate::deck;

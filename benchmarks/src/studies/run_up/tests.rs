@@ -1,4 +1,5 @@
 //! Run-ups with known results: chirps, and a pair compared with speed sweep and natural frequencies.
+#![allow(clippy::print_stdout, reason = "observed figures")]
 
 use super::*;
 use crate::experiment::conditions::Conditions;

@@ -1,4 +1,5 @@
 //! Both routes against each other, against all modes of a body, and against loads solved for directly.
+#![allow(clippy::print_stdout, reason = "observed figures")]
 
 mod shapes;
 

@@ -1,4 +1,5 @@
 //! Elements cut out of a body against the lattice, and half-spaces on tetrahedra against those on hexahedra.
+#![allow(clippy::print_stdout, reason = "observed figures")]
 
 use super::super::of_lattices;
 use super::*;

@@ -189,6 +189,7 @@ impl Gears {
 }
 
 /// Frequencies with root mean squares that are known.
+#[allow(clippy::print_stdout)]
 fn near(ws: &[f64], found: &[f64], known: &[(f64, f64)], tolerance: f64) {
     for (w, rms) in known {
         let i = ws.iter().position(|x| x == w).unwrap();

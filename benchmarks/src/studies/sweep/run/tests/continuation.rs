@@ -1,6 +1,7 @@
 //! Loaded gears with backlash on both branches of their resonance, against a continuation of their own: one degree of
 //! freedom, the reduced mass on the teeth that touch over the path of contact, written anew from the geometry of involutes
 //! and of tip edges, integrated by RK4 at fixed small steps, speeds upwards and downwards from state to state.
+#![allow(clippy::print_stdout, reason = "observed figures")]
 
 use super::*;
 use crate::context::Context;
