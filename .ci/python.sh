@@ -18,16 +18,14 @@ version_of() {
   "$1" -c 'import sys; assert sys.version_info >= (3, 10); print("%d.%02d" % sys.version_info[:2])' 2> /dev/null || true
 }
 
+# Interpreters on the path, and those that PYTHONS names (paths separated by spaces).
 found=$(
-  for minor in 10 11 12 13 14 15; do
-    for python in "python3.$minor" "$HOME"/.pyenv/versions/3.$minor.*/bin/python; do
-      command -v "$python" > /dev/null || continue
-      version=$(version_of "$python")
-      [ -n "$version" ] && echo "$version $python" && break
-    done
+  for python in python3.10 python3.11 python3.12 python3.13 python3.14 python3.15 python3 ${PYTHONS:-}; do
+    command -v "$python" > /dev/null || continue
+    version=$(version_of "$python")
+    if [ -n "$version" ]; then echo "$version $python"; fi
   done | sort -u -k1,1
 )
-[ -n "$found" ] || found=$(version=$(version_of python3); [ -n "$version" ] && echo "$version python3" || true)
 [ -n "$found" ] || leave_out "the Python package is not checked, no Python from 3.10 on was found"
 pythons=$( (echo "$found" | head -n 1; echo "$found" | tail -n 1) | sort -u | cut -d ' ' -f 2)
 
