@@ -197,7 +197,7 @@ fn damped_static_compliance_replaces_the_modes_that_were_cut() {
             (gear.parameters).insert("modes".into(), Value::Number(modes));
         }
         let choice = scene.model("elastic").unwrap();
-        let method = choice.integrators.as_ref().unwrap()[0].clone();
+        let method = choice.integrators.as_ref().unwrap()[0];
         run_entry(
             &scene,
             entry,
