@@ -30,14 +30,15 @@ def peak_of(scene, reductions, young_pa=2.1e11):
     own_gears = {name: gear.replace(material=steel) for name, gear in scene.gears.items()}
     own = scene.replace(models=[model], gears=own_gears, study=None, tolerance=None)
     run = own.run("reduced", "trigonometric@1us")
-    assert run.modes_of_gears == [30, 30]
+    assert run.modes_of_gears == [r["omega_rad_s"].size for r in reductions.values()]
     return run.series["contact_force_pinion_wheel_n"].max()
 
 
 def test_a_reduction_is_read_and_written_as_it_is(reductions, tmp_path):
     reduction = reductions["pinion"]
     omega = reduction["omega_rad_s"]
-    assert omega.shape == (30,) and np.all(np.diff(omega) >= 0)
+    # Directions that carry almost no energy are left out.
+    assert 20 < omega.size <= 30 and np.all(np.diff(omega) >= 0)
     rows = reduction["shapes_per_sqrt_kg"].shape[0]
     assert reduction["flank_nodes_m"].shape == (rows, 3)
     reduction.save(tmp_path / "gear.npz")
