@@ -173,7 +173,7 @@ def records(schema: dict[str, Any]) -> str:
             members = "".join(f"    {json.dumps(s)},\n" for s in of["enum"])
             words.append(f"{name} = Literal[\n{members}]\n")
         else:
-            words.append(f"{name} = {type_of(of).replace('None | ', 'None | ')}\n")
+            words.append(f"{name} = {type_of(of)}\n")
     results = []
     for part in schema["oneOf"]:
         study = part["properties"]["study"]["const"]

@@ -9,6 +9,7 @@ use gearbench_reports::series::TimeSeries;
 use gearbench_reports::{Histories, series::Column};
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
+use pyo3::sync::PyOnceLock;
 use pyo3::types::{PyDict, PyFloat, PyList, PyString, PyTuple};
 use serde::ser::{self, Serialize};
 use std::fmt::{self, Display};
@@ -271,13 +272,13 @@ lists! {
     SerializeTupleVariant: serialize_field;
 }
 
-/// Keywords of Python, which are no names of fields: a field has `_` at its end.
-const KEYWORDS: [&str; 35] = [
-    "False", "None", "True", "and", "as", "assert", "async", "await", "break", "class", "continue",
-    "def", "del", "elif", "else", "except", "finally", "for", "from", "global", "if", "import",
-    "in", "is", "lambda", "nonlocal", "not", "or", "pass", "raise", "return", "try", "while",
-    "with", "yield",
-];
+/// Returns true for a keyword of Python, which is no name of a field: a field has `_` at its end.
+fn is_keyword(py: Python<'_>, name: &str) -> PyResult<bool> {
+    static KEYWORDS: PyOnceLock<Vec<String>> = PyOnceLock::new();
+    let read = || py.import("keyword")?.getattr("kwlist")?.extract();
+    let known = KEYWORDS.get_or_try_init(py, read)?;
+    Ok(known.iter().any(|k| k == name))
+}
 
 /// The entries of a table, and the class of the object that they become.
 struct Entries<'c, 'py> {
@@ -319,7 +320,7 @@ impl<'py> ser::SerializeStruct for Entries<'_, 'py> {
         x: &T,
     ) -> Result<(), ConversionError> {
         let value = x.serialize(self.writer)?;
-        match KEYWORDS.contains(&key) {
+        match is_keyword(self.writer.py, key)? {
             true => Ok(self.all.set_item(format!("{key}_"), value)?),
             false => Ok(self.all.set_item(key, value)?),
         }

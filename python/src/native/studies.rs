@@ -11,6 +11,7 @@ use gearbench::cli::command_result::CommandResult;
 use gearbench::cli::terminal::Refusal;
 use gearbench::cli::{ArgumentKind, studies, study};
 use gearbench::context::{ProgressObserver, RecordUse};
+use gearbench::experiment::parallel::lock;
 use gearbench_reports::record::Results;
 use gearbench_reports::series::{Column, TimeSeries};
 use gearbench_reports::write_results;
@@ -21,8 +22,6 @@ use pyo3::types::{PyDict, PyList};
 use std::path::PathBuf;
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::sync::{Arc, Mutex};
-
-use gearbench::experiment::parallel::lock;
 use std::time::{Duration, Instant};
 
 /// Time between two looks for signals.
@@ -108,7 +107,7 @@ impl Observer {
     }
 }
 
-/// What the thread of a study sends at its end.
+/// The result that the thread of a study sends.
 type Ended = Result<CommandResult, Refusal>;
 
 /// Runs a study by the words of its command line, in the scene of a name and a text. Returns a dictionary: fields of the

@@ -14,6 +14,7 @@ mod scenes;
 
 pub use scenes::{SCENES, UserScene, scene};
 
+use gearbench::cli::exit::Exit;
 use gearbench::experiment::machine;
 use gearbench_reports::record::{Part, Results, Run};
 use gearbench_reports::{Adequacy, Verdict, finding, load_results, yardstick_of};
@@ -48,8 +49,6 @@ const BOUNDS: [&str; 2] = ["--timeout", "20"];
 /// Budget of processor time of a choice [s].
 const BUDGET: &str = "120";
 
-/// Exit code of a command that refuses its scene.
-const REFUSED: i32 = 2;
 /// Columns of the table; the commit is that of the program that ran the scene.
 const COLUMNS: [&str; 15] = [
     "commit",
@@ -292,7 +291,7 @@ pub fn csv(rows: &[Row]) -> Result<Vec<u8>, csv::Error> {
         let answer = match &r.choice {
             (Some(Verdict::Adequate), level) => level.clone(),
             (Some(verdict), _) => verdict.to_string(),
-            (None, _) if r.codes[1] == Some(REFUSED) => "refused".to_owned(),
+            (None, _) if r.codes[1] == Some(Exit::BadInput.code().into()) => "refused".to_owned(),
             (None, _) => "no answer".to_owned(),
         };
         out.write_record([

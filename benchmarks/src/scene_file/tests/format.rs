@@ -131,5 +131,5 @@ fn a_table_is_laid_out_as_its_file() {
     assert_eq!(laid_out(table).to_string().replace("\n\n", "\n"), text);
     let wrong: toml_edit::DocumentMut = "models = [\"rigid\"]".parse().unwrap();
     let table = wrong.as_table().clone().into_inline_table();
-    assert!(laid_out(table).to_string().contains("rigid"));
+    assert_eq!(laid_out(table).to_string(), "models = [\"rigid\"]\n");
 }

@@ -1,6 +1,6 @@
 //! Arguments of `mesh`.
 
-use clap::Args;
+use clap::{Arg, Args};
 use gearbench_reference::deck::Units;
 use gearbench_reference::mesh::GearMeshParams;
 use std::path::PathBuf;
@@ -21,7 +21,7 @@ gear appended.";
 
 /// Arguments of `mesh`.
 #[derive(Args, Clone, Debug)]
-#[command(after_help = EXAMPLES)]
+#[command(after_help = EXAMPLES, mut_args = with_default)]
 pub struct Mesh {
     /// Name of a shipped scene, path of a scene file (.toml), of a deck (.inp) or a mesh of Gmsh (.msh), also .gz
     #[arg(value_name = "SCENE|DECK")]
@@ -45,25 +45,25 @@ pub struct Mesh {
     #[arg(long, value_name = "KIND")]
     pub element: Option<String>,
     /// Elements along the involute flank
-    #[arg(long, value_name = "N", help = with_default("Elements along the involute flank", |p| p.tooth.flank))]
+    #[arg(long, value_name = "N")]
     pub flank: Option<usize>,
     /// Elements along the fillet
-    #[arg(long, value_name = "N", help = with_default("Elements along the fillet", |p| p.tooth.fillet))]
+    #[arg(long, value_name = "N")]
     pub fillet: Option<usize>,
     /// Elements on the root arc, from the fillet to the middle of the tooth space
-    #[arg(long, value_name = "N", help = with_default("Elements on the root arc, from the fillet to the middle of the tooth space", |p| p.tooth.root))]
+    #[arg(long, value_name = "N")]
     pub root: Option<usize>,
     /// Elements across the tooth
-    #[arg(long, value_name = "N", help = with_default("Elements across the tooth", |p| p.tooth.across))]
+    #[arg(long, value_name = "N")]
     pub across: Option<usize>,
     /// Layers of elements under flank, fillet and root, whose thickness grows inwards
-    #[arg(long, value_name = "N", help = with_default("Layers of elements under flank, fillet and root, whose thickness grows inwards", |p| p.layers))]
+    #[arg(long, value_name = "N")]
     pub layers: Option<usize>,
     /// Layers from the root to the bore or the back of a rack
-    #[arg(long, value_name = "N", help = with_default("Layers from the root to the bore or the back of a rack", |p| p.rim))]
+    #[arg(long, value_name = "N")]
     pub rim: Option<usize>,
     /// Layers over the face width
-    #[arg(long, value_name = "N", help = with_default("Layers over the face width", |p| p.width))]
+    #[arg(long, value_name = "N")]
     pub width: Option<usize>,
     /// Mesh one pitch only, for cyclic symmetry
     #[arg(long)]
@@ -73,9 +73,21 @@ pub struct Mesh {
     pub fine_teeth: Vec<u32>,
 }
 
-/// Help of a number of elements, with its default.
-fn with_default(text: &str, number: impl Fn(&GearMeshParams) -> usize) -> String {
-    format!("{text} [default: {}]", number(&GearMeshParams::default()))
+/// Adds the default of the mesh generator to the help of a number of elements.
+fn with_default(argument: Arg) -> Arg {
+    let usual = GearMeshParams::default();
+    let number = match argument.get_id().as_str() {
+        "flank" => usual.tooth.flank,
+        "fillet" => usual.tooth.fillet,
+        "root" => usual.tooth.root,
+        "across" => usual.tooth.across,
+        "layers" => usual.layers,
+        "rim" => usual.rim,
+        "width" => usual.width,
+        _ => return argument,
+    };
+    let help = argument.get_help().map(ToString::to_string);
+    argument.help(format!("{} [default: {number}]", help.unwrap_or_default()))
 }
 
 /// Units by their name.
