@@ -10,8 +10,10 @@ mod support;
 
 use gearbench_integrators::system::{SecondOrderSystem, State};
 use gearbench_integrators::{AcceptedStep, Control, NullSink, Resolution, Sink, TimePlan};
+use gearbench_models::gear::parameters::ModelParameters;
 use gearbench_models::scene::Scene;
-use gearbench_models::spec::Value;
+use gearbench_reference::full_order::FullOrderParameters;
+use gearbench_reference::reduction::ElasticParameters;
 use gearbench_reference::reduction::cache::Cache;
 use gearbench_reference::resources::Resources;
 use nalgebra::DMatrix;
@@ -24,15 +26,19 @@ use support::scenes::{changed, file, run};
 const STEP: f64 = 1e-6;
 
 /// Returns the scene of the finite elements with elastic gears in their place.
-fn scene(modes: f64, surface: &str) -> (Scene, f64) {
+fn scene(modes: usize, surface: &str) -> (Scene, f64) {
     let file = file("spur_impact");
     let scene = changed(&file, "fe", |modelling| {
         for gear in &mut modelling.gears {
-            gear.id = "elastic".into();
-            let mut set = |key: &str, value| gear.parameters.insert(key.into(), value);
-            set("modes", Value::Number(modes));
-            // All 200 modes are wanted, whatever their frequency.
-            set("step_s", Value::Number(2e-7));
+            let full = FullOrderParameters::of(gear).expect("full finite elements");
+            let elastic = ElasticParameters {
+                modes: Some(modes),
+                // All 200 modes are wanted, whatever their frequency.
+                step_s: Some(2e-7),
+                mesh: full.mesh.clone(),
+                ..ElasticParameters::default()
+            };
+            *gear = elastic.spec();
         }
         for contact in &mut modelling.contacts {
             if let Some(points) = contact.flanks.points_mut()
@@ -175,8 +181,8 @@ fn all() {
         return;
     }
     for surface in ["faceted", "smooth"] {
-        let (mut none, end) = scene(0.0, surface);
-        let (mut many, _) = scene(200.0, surface);
+        let (mut none, end) = scene(0, surface);
+        let (mut many, _) = scene(200, surface);
         let [quasi_static, _] = states(&mut none, end);
         let [contact, apart] = states(&mut many, end);
         let modes = many.layout().n - 2;

@@ -5,8 +5,8 @@ use gearbench_models::geometry::{Gear, GearParams, Pair, Side};
 use gearbench_models::law::Damping;
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{
-    Body, ContactSpec, FlankContact, GearSpec, MeshSpec, ModelSpec, Modelling, Mount, Parameters,
-    SceneSpec, Start, UPRIGHT,
+    Body, ContactSpec, FlankContact, GearSpec, MeshSpec, Modelling, Mount, SceneSpec, Start,
+    UPRIGHT,
 };
 use gearbench_models::stiffness::{Material, PairOrMesh, PairStiffness};
 use std::f64::consts::PI;
@@ -116,10 +116,7 @@ impl Problem {
             shafts: vec![],
             stages: Vec::new(),
         };
-        let rigid = ModelSpec {
-            id: "rigid".into(),
-            parameters: Parameters::new(),
-        };
+        let rigid = gearbench_models::gear::rigid::spec();
         let modelling = Modelling {
             gears: vec![rigid.clone(), rigid],
             contacts: vec![ContactSpec {

@@ -6,7 +6,7 @@ use gearbench::experiment::machine;
 use gearbench::scene_file::{self, SceneFile};
 use gearbench_integrators::{Integrator, Resolution, Sink, State, TimePlan, Work};
 use gearbench_models::scene::Scene;
-use gearbench_models::spec::{Modelling, Value};
+use gearbench_models::spec::Modelling;
 use serde_json::json;
 
 /// Loads a shipped scene, or one at a path from the root of the repository.
@@ -29,10 +29,9 @@ pub fn changed(file: &SceneFile, label: &str, change: impl FnOnce(&mut Modelling
 pub fn built(file: &SceneFile, label: &str, parameters: &[(&str, f64)]) -> Scene {
     changed(file, label, |modelling| {
         for gear in &mut modelling.gears {
-            let set = parameters
-                .iter()
-                .map(|(k, v)| (k.to_string(), Value::Number(*v)));
-            gear.parameters.extend(set);
+            for (key, x) in parameters {
+                gear.set(key, *x).unwrap_or_else(|e| panic!("{e}"));
+            }
         }
     })
 }

@@ -13,23 +13,29 @@ use gearbench_integrators::system::{Energy, Power, StateView};
 use gearbench_models::Vec3;
 use gearbench_models::error::BuildError;
 use gearbench_models::gear::properties::Properties;
-use gearbench_models::gear::table::{GearContext, Model, ParameterInfo};
+use gearbench_models::gear::table::{GearContext, Model};
 use gearbench_models::gear::{GearModel, HubBody, HubState, ToothCoordinates};
 use gearbench_models::kinematics::{Point, Row, Tooth, Wrench};
-use gearbench_models::spec::Value;
+
+gearbench_models::declare_parameters! {
+    /// Parameters of the model.
+    pub struct ElasticWebParameters model "elastic-web" {
+        /// natural frequency of the rim, hub held
+        frequency_hz: f64,
+        /// share of the rim in the inertia
+        rim_share: f64,
+        /// of the rim, hub held
+        damping_ratio: f64,
+    }
+    required(frequency_hz, rim_share, damping_ratio)
+}
 
 /// Row of the model in a table of models.
-pub const MODEL: Model = Model {
-    id: "elastic-web",
-    title: "rim on an elastic web, one mode (example)",
-    parameters: &[
-        ParameterInfo::required("frequency_hz", "natural frequency of the rim, hub held"),
-        ParameterInfo::required("rim_share", "share of the rim in the inertia"),
-        ParameterInfo::required("damping_ratio", "of the rim, hub held"),
-    ],
-    properties: Properties::NONE,
+pub const MODEL: Model = Model::of::<ElasticWebParameters>(
+    "rim on an elastic web, one mode (example)",
+    Properties::NONE,
     build,
-};
+);
 
 /// Rim and hub joined by a spring and a damper; all quantities are about the axis (along the motion of a rack).
 struct ElasticWeb {
@@ -40,15 +46,16 @@ struct ElasticWeb {
 }
 
 fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
-    let number = |key: &str, most: f64| match context.parameters.get(key) {
-        Some(Value::Number(x)) if *x >= 0.0 && *x < most => Ok(*x),
+    let given = context.parameters::<ElasticWebParameters>()?;
+    let number = |key: &str, value: Option<f64>, most: f64| match value {
+        Some(x) if x >= 0.0 && x < most => Ok(x),
         _ => {
             let message = format!("expected a number from 0 to below {most}");
             Err(BuildError::parameter(MODEL.id, key, message))
         }
     };
-    let omega = std::f64::consts::TAU * number("frequency_hz", f64::INFINITY)?;
-    let share = number("rim_share", 1.0)?;
+    let omega = std::f64::consts::TAU * number("frequency_hz", given.frequency_hz, f64::INFINITY)?;
+    let share = number("rim_share", given.rim_share, 1.0)?;
     let rim = share * context.hub.inertia;
     let mut masses = vec![context.hub.inertia - rim; context.hub.coordinates()];
     masses.push(rim);
@@ -62,7 +69,7 @@ fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
         },
         rim,
         stiffness: rim * omega * omega,
-        damping: 2.0 * number("damping_ratio", 1.0)? * rim * omega,
+        damping: 2.0 * number("damping_ratio", given.damping_ratio, 1.0)? * rim * omega,
     }))
 }
 

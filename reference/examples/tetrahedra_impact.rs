@@ -14,16 +14,18 @@
 use gearbench_integrators::{
     AcceptedStep, Control, Outputs, Resolution, SecondOrderSystem, Sink, TimePlan, Work,
 };
+use gearbench_models::gear::parameters::ModelParameters;
 use gearbench_models::geometry::{Gear, GearParams, Side};
 use gearbench_models::law::Damping;
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{
     Body, ContactSpec, FlankContact, GearSpec, MeshSpec, ModelSpec, Modelling, Mount, Passes,
-    PointContact, SceneSpec, Start, UPRIGHT, Value,
+    PointContact, SceneSpec, Start, UPRIGHT,
 };
 use gearbench_models::stiffness::{Material, PairOrMesh, PairStiffness};
 use gearbench_reference::MODELS;
 use gearbench_reference::mesh::{self, ElementKind, GearMeshParams, Tooth};
+use gearbench_reference::reduction::ElasticParameters;
 use std::io::{BufWriter, Write};
 use std::path::Path;
 
@@ -71,23 +73,16 @@ fn models(mesh: &str, folder: &Path) -> Result<Vec<ModelSpec>, Failed> {
             .ok_or("FLANK and WIDTH are missing")?
             .parse()?)
     };
-    let elastic = |parameters: Vec<(&str, Value)>| ModelSpec {
-        id: "elastic".into(),
-        parameters: (parameters.into_iter())
-            .map(|(k, v)| (k.to_string(), v))
-            .collect(),
-    };
     match counts[0] {
         "hex" => {
-            let n = |x: usize| Value::Number(x as f64);
             let (flank, width) = (number(1)?, number(2)?);
-            let of = elastic(vec![
-                ("flank_elements", n(flank)),
-                ("fillet_elements", n(flank.div_ceil(2).max(2))),
-                ("across_elements", n(flank.max(6))),
-                ("rim_elements", n(flank.div_ceil(2).max(3))),
-                ("width_elements", n(width)),
-            ]);
+            let of = ElasticParameters::by_key([
+                ("flank_elements", flank),
+                ("fillet_elements", flank.div_ceil(2).max(2)),
+                ("across_elements", flank.max(6)),
+                ("rim_elements", flank.div_ceil(2).max(3)),
+                ("width_elements", width),
+            ])?;
             Ok(vec![of.clone(), of])
         }
         "tet" => {
@@ -96,16 +91,16 @@ fn models(mesh: &str, folder: &Path) -> Result<Vec<ModelSpec>, Failed> {
             for gear in gears()? {
                 let path = folder.join(format!("tet_{flank}_{width}_{}.inp", gear.teeth()));
                 write(&path, &gear, flank, width)?;
-                all.push(elastic(vec![(
+                all.push(ElasticParameters::by_key([(
                     "mesh",
-                    Value::Text(path.display().to_string()),
-                )]));
+                    path.display().to_string(),
+                )])?);
             }
             Ok(all)
         }
         _ => Ok((mesh.split(','))
-            .map(|path| elastic(vec![("mesh", Value::Text(path.to_owned()))]))
-            .collect()),
+            .map(|path| ElasticParameters::by_key([("mesh", path)]))
+            .collect::<Result<_, _>>()?),
     }
 }
 

@@ -17,116 +17,42 @@ pub use stored::Stored;
 
 use crate::mesh;
 use crate::mesh::{ElementKind, GearMesh, GearMeshParams};
+use gearbench_models::declare_parameters;
 use gearbench_models::error::BuildError;
 use gearbench_models::gear::parameters::whole;
-use gearbench_models::gear::table::ParameterInfo;
 use gearbench_models::spec::Body as Toothing;
-use serde::{Deserialize, Serialize};
 
-/// A parameter that may be left out.
-pub const fn optional(key: &'static str, meaning: &'static str) -> ParameterInfo {
-    ParameterInfo {
-        key,
-        meaning,
-        required: false,
+declare_parameters! {
+    /// Parameters of the source of a mesh.
+    pub struct MeshParameters {
+        /// "generated" (default), a stored reference such as "calculix/case-a-fine", or a path of a deck (.inp) or a mesh of Gmsh (.msh), also .gz
+        mesh: String,
+        /// "C3D8" or "C3D8I" (default for generated meshes); a deck brings its own
+        element: String,
+        /// elements along a flank of a generated mesh
+        #[serde(deserialize_with = "whole")]
+        flank_elements: usize,
+        /// elements along a fillet of a generated mesh
+        #[serde(deserialize_with = "whole")]
+        fillet_elements: usize,
+        /// elements across a tooth of a generated mesh
+        #[serde(deserialize_with = "whole")]
+        across_elements: usize,
+        /// elements from root to bore of a generated mesh
+        #[serde(deserialize_with = "whole")]
+        rim_elements: usize,
+        /// elements over the face width of a generated mesh
+        #[serde(deserialize_with = "whole")]
+        width_elements: usize,
+        /// units of the file that `mesh` names, one of "m-kg-s", "mm-t-s", "mm-kg-s", "mm-kg-ms", "mm-g-ms"; left out, they are found from density and modulus, or from the size
+        units: String,
+        /// [x, y, z] of the gear's axis (of a rack: of its width) in the file, teeth counted counter-clockwise about it; left out, it is found
+        axis: [f64; 3],
+        /// [x, y, z] of a point on the axis (of a rack: on its reference line) in the file, in metres; left out, it is found
+        axis_point_m: [f64; 3],
+        /// [from, to]: radii between which the flanks lie, in metres; left out, they are found
+        flank_radii_m: [f64; 2],
     }
-}
-
-/// Parameters of the source of a mesh.
-pub const PARAMETERS: [ParameterInfo; 11] = [
-    optional(
-        "mesh",
-        "\"generated\" (default), a stored reference such as \"calculix/case-a-fine\", or a path of a deck (.inp) or a mesh of Gmsh (.msh), also .gz",
-    ),
-    optional(
-        "element",
-        "\"C3D8\" or \"C3D8I\" (default for generated meshes); a deck brings its own",
-    ),
-    optional(
-        "flank_elements",
-        "elements along a flank of a generated mesh",
-    ),
-    optional(
-        "fillet_elements",
-        "elements along a fillet of a generated mesh",
-    ),
-    optional(
-        "across_elements",
-        "elements across a tooth of a generated mesh",
-    ),
-    optional(
-        "rim_elements",
-        "elements from root to bore of a generated mesh",
-    ),
-    optional(
-        "width_elements",
-        "elements over the face width of a generated mesh",
-    ),
-    optional(
-        "units",
-        "units of the file that `mesh` names, one of \"m-kg-s\", \"mm-t-s\", \"mm-kg-s\", \"mm-kg-ms\", \"mm-g-ms\"; left out, they are found from density and modulus, or from the size",
-    ),
-    optional(
-        "axis",
-        "[x, y, z] of the gear's axis (of a rack: of its width) in the file, teeth counted counter-clockwise about it; left out, it is found",
-    ),
-    optional(
-        "axis_point_m",
-        "[x, y, z] of a point on the axis (of a rack: on its reference line) in the file, in metres; left out, it is found",
-    ),
-    optional(
-        "flank_radii_m",
-        "[from, to]: radii between which the flanks lie, in metres; left out, they are found",
-    ),
-];
-
-/// The parameter with the damping of a body, read by [`Reader::rayleigh`].
-pub const RAYLEIGH: ParameterInfo = optional(
-    "rayleigh",
-    "[alpha, beta] of the damping alpha M + beta K, in 1/s and s; beta damps the static compliance of cut modes and the \
-     contact as well; alpha damps the modes of `elastic`",
-);
-
-/// Joins the parameters of a mesh with those of a model, `own`; `N` is their total number.
-pub const fn with_own<const N: usize>(own: &[ParameterInfo]) -> [ParameterInfo; N] {
-    let mut all = [PARAMETERS[0]; N];
-    assert!(
-        PARAMETERS.len() + own.len() == N,
-        "N is the number of all parameters"
-    );
-    let mut i = 0;
-    while i < N {
-        all[i] = if i < PARAMETERS.len() {
-            PARAMETERS[i]
-        } else {
-            own[i - PARAMETERS.len()]
-        };
-        i += 1;
-    }
-    all
-}
-
-/// Parameters of the source of a mesh; the table of parameters below describes them.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(default)]
-#[expect(missing_docs, reason = "the keys of scenes, described in PARAMETERS")]
-pub struct MeshParameters {
-    pub mesh: Option<String>,
-    pub element: Option<String>,
-    #[serde(deserialize_with = "whole")]
-    pub flank_elements: Option<usize>,
-    #[serde(deserialize_with = "whole")]
-    pub fillet_elements: Option<usize>,
-    #[serde(deserialize_with = "whole")]
-    pub across_elements: Option<usize>,
-    #[serde(deserialize_with = "whole")]
-    pub rim_elements: Option<usize>,
-    #[serde(deserialize_with = "whole")]
-    pub width_elements: Option<usize>,
-    pub units: Option<String>,
-    pub axis: Option<[f64; 3]>,
-    pub axis_point_m: Option<[f64; 3]>,
-    pub flank_radii_m: Option<[f64; 2]>,
 }
 
 impl MeshParameters {

@@ -10,7 +10,7 @@ use gearbench_models::Vec3;
 use gearbench_models::gear::table::GearContext;
 use gearbench_models::geometry::{Gear, GearParams, Rack, RackParams};
 use gearbench_models::kinematics::{Hub, Placement};
-use gearbench_models::spec::{Body, Mount, Parameters};
+use gearbench_models::spec::{Body, ModelSpec, Mount};
 use gearbench_models::stiffness::Material;
 
 /// A deck of the stored references.
@@ -199,11 +199,7 @@ pub(crate) fn hub(mount: Mount, slide: Option<Vec3>) -> Hub {
 }
 
 /// Returns the context of a steel gear without meshes.
-pub(crate) fn context<'a>(
-    body: &'a Body,
-    hub: &'a Hub,
-    parameters: &'a Parameters,
-) -> GearContext<'a> {
+pub(crate) fn context<'a>(body: &'a Body, hub: &'a Hub, model: &'a ModelSpec) -> GearContext<'a> {
     GearContext {
         name: "pinion",
         body,
@@ -217,7 +213,7 @@ pub(crate) fn context<'a>(
         lines: None,
         speed: 0.0,
         time_of_first_teeth: f64::INFINITY,
-        parameters,
+        model,
     }
 }
 

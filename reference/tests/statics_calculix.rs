@@ -10,10 +10,12 @@
 mod common;
 
 use common::{modelling, scene};
+use gearbench_models::gear::parameters::ModelParameters;
 use gearbench_models::geometry::{Gear, GearParams};
-use gearbench_models::spec::{ModelSpec, Passes, PointContact, PointRule, SurfaceKind, Value};
+use gearbench_models::spec::{Passes, PointContact, PointRule, SurfaceKind};
 use gearbench_models::stiffness::{Material, PairOrMesh, PairStiffness};
 use gearbench_reference::MODELS;
+use gearbench_reference::full_order::FullOrderParameters;
 use gearbench_reference::statics::LoadedPair;
 
 /// Force per width at 17 and 34 um, and that of the pairs behind, at and ahead at 34 um [N/mm].
@@ -58,11 +60,7 @@ fn case_a(rule: PointRule, passes: Passes) -> LoadedPair {
         Gear::new(params).unwrap()
     });
     let spec = scene(gears, Material::STEEL, 0.1001);
-    let mesh = Value::Text("calculix/case-a-fine".into());
-    let fe = ModelSpec {
-        id: "fe".into(),
-        parameters: [("mesh".to_string(), mesh)].into_iter().collect(),
-    };
+    let fe = FullOrderParameters::by_key([("mesh", "calculix/case-a-fine")]).unwrap();
     let points = PointContact {
         rule,
         passes,

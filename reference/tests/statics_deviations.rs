@@ -7,7 +7,7 @@ use gearbench_models::gear::table::MODELS as RIGID;
 use gearbench_models::geometry::{
     Deviations, FlankDeviations, Gear, GearParams, GivenDeviations, Side,
 };
-use gearbench_models::spec::{FlankContact, ModelSpec, PointContact, PointRule, Value};
+use gearbench_models::spec::{FlankContact, PointContact, PointRule};
 use gearbench_models::stiffness::{Material, PairOrMesh, PairStiffness};
 use gearbench_reference::MODELS;
 use gearbench_reference::statics::LoadedPair;
@@ -29,28 +29,22 @@ fn gear(teeth: u32, bore_radius: f64, deviations: Deviations) -> Gear {
 fn pair(model: &str, gears: [Gear; 2]) -> LoadedPair {
     let rigid = model == "rigid";
     let counts = [
-        ("flank_elements", 14.0),
-        ("fillet_elements", 2.0),
-        ("across_elements", 6.0),
-        ("rim_elements", 2.0),
-        ("width_elements", 1.0),
+        ("flank_elements", 14),
+        ("fillet_elements", 2),
+        ("across_elements", 6),
+        ("rim_elements", 2),
+        ("width_elements", 1),
     ];
-    let modes = (model == "elastic").then_some(("modes", 0.0));
-    let parameters = counts
-        .into_iter()
-        .chain(modes)
-        .filter(|_| !rigid)
-        .map(|(key, n)| (key.to_string(), Value::Number(n)))
-        .collect();
+    let modes = (model == "elastic").then_some(("modes", 0));
+    let parameters = counts.into_iter().chain(modes).filter(|_| !rigid);
     let spec = scene(gears, Material::STEEL, 0.1001);
     let stiffness = PairStiffness::Constant {
         per_width: if rigid { 1.4e16 } else { 1.4e10 },
         of: PairOrMesh::Pair,
     };
-    let model = ModelSpec {
-        id: model.into(),
-        parameters,
-    };
+    let mut rows = RIGID.iter().chain(MODELS);
+    let row = rows.find(|row| row.id == model).unwrap();
+    let model = row.spec(parameters).unwrap();
     // Between points the flanks meet by their sagitta: 0.2 um with so many.
     let points = PointContact {
         rule: PointRule::Quadrature {

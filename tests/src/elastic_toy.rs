@@ -5,14 +5,16 @@
 //! the nodes of a flank, less of it between flanks of a tooth, of neighbouring and of other teeth. Where there is friction
 //! nodes also move along the profile, by shapes of their own; the kernel then couples both directions, `ACROSS`.
 
-use crate::flank_test_gears::{flanks_of, number, takes};
+use crate::flank_test_gears::{NodeParameters, flanks_of};
 use gearbench_models::Vec3;
+use gearbench_models::declare_parameters;
 use gearbench_models::error::{BuildError, GearPart};
 use gearbench_models::gear::GearModel;
 use gearbench_models::gear::elastic::Elastic;
 use gearbench_models::gear::elastic::reduced::{
     FlankCompliance, OutOfPlaneShapes, Reduced, Residual,
 };
+use gearbench_models::gear::parameters::{number, whole};
 use gearbench_models::gear::properties::Properties;
 use gearbench_models::gear::table::{GearContext, Model};
 use gearbench_models::geometry::Side;
@@ -20,33 +22,46 @@ use gearbench_models::kinematics::OutOfPlane;
 use gearbench_models::spec::{Body, Freedom};
 use std::sync::Arc;
 
+declare_parameters! {
+    /// Parameters of the model.
+    pub struct ToyParameters model "elastic-toy" {
+        /// number of modes
+        #[serde(deserialize_with = "whole")]
+        modes: usize,
+        /// modal compliance of a flank node
+        softness_m_per_n: f64,
+        /// residual compliance of a node; 0: none
+        #[serde(deserialize_with = "number")]
+        residual_m_per_n: f64,
+        /// of all modes
+        #[serde(deserialize_with = "number")]
+        damping_ratio: f64,
+        /// length of the local kernel
+        spread_m: f64,
+        /// share of an impact's energy
+        #[serde(deserialize_with = "number")]
+        vibration_cut_off: f64,
+        flatten nodes: NodeParameters,
+    }
+}
+
 /// Row of the model in the table.
-pub const ELASTIC_TOY: Model = Model {
-    id: "elastic-toy",
-    title: "elastic gear with made-up modes and residual compliance (test)",
-    parameters: &[
-        takes("rows", "nodes along the profile"),
-        takes("columns", "nodes over the width"),
-        takes("modes", "number of modes"),
-        takes("softness_m_per_n", "modal compliance of a flank node"),
-        takes("residual_m_per_n", "residual compliance of a node; 0: none"),
-        takes("damping_ratio", "of all modes"),
-        takes("spread_m", "length of the local kernel"),
-        takes("vibration_cut_off", "share of an impact's energy"),
-    ],
-    properties: Properties::NONE,
-    build: build_toy,
-};
+pub const ELASTIC_TOY: Model = Model::of::<ToyParameters>(
+    "elastic gear with made-up modes and residual compliance (test)",
+    Properties::NONE,
+    build_toy,
+);
 
 fn build_toy(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
-    let data = toy(context);
+    let given = context.parameters::<ToyParameters>()?;
+    let data = toy(context, given);
     let model = Elastic::new(
         context.hub.clone(),
         context.effective_radius,
         context.placement,
         Arc::new(data),
     )
-    .and_then(|model| model.with_vibration_cut_off(number(context, "vibration_cut_off", 0.0)))
+    .and_then(|model| model.with_vibration_cut_off(given.vibration_cut_off.unwrap_or(0.0)))
     .map_err(|e| BuildError::gear(context.name, GearPart::Model, e))?;
     Ok(Box::new(model))
 }
@@ -56,12 +71,12 @@ fn build_toy(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError
 const ACROSS: [[f64; 2]; 2] = [[1.0, -0.4], [-0.4, 0.7]];
 
 /// Builds the artificial reduction.
-pub fn toy(context: &GearContext<'_>) -> Reduced {
-    let flanks = flanks_of(context);
-    let modes = number(context, "modes", 6.0) as usize;
-    let softness = number(context, "softness_m_per_n", 3e-9);
-    let local = number(context, "residual_m_per_n", 2e-9);
-    let spread = number(context, "spread_m", 5e-4);
+pub fn toy(context: &GearContext<'_>, given: &ToyParameters) -> Reduced {
+    let flanks = flanks_of(context.body, &given.nodes);
+    let modes = given.modes.unwrap_or(6);
+    let softness = given.softness_m_per_n.unwrap_or(3e-9);
+    let local = given.residual_m_per_n.unwrap_or(2e-9);
+    let spread = given.spread_m.unwrap_or(5e-4);
     let free = context.hub.is_free();
     let teeth = flanks.grids().len() / 2;
     let omega: Vec<f64> = (0..modes)
@@ -155,7 +170,7 @@ pub fn toy(context: &GearContext<'_>) -> Reduced {
         along_profile: context.slides,
         free,
         inertia: context.hub.inertia,
-        damping: vec![number(context, "damping_ratio", 0.0); modes],
+        damping: vec![given.damping_ratio.unwrap_or(0.0); modes],
         shapes,
         hub: per_mode(if free { 0.5 } else { 0.0 }),
         participation: per_mode(if free { 0.0 } else { 1e-3 }),

@@ -3,42 +3,44 @@
 
 use gearbench_integrators::system::{Coeffs, Singular, StateView};
 use gearbench_models::Vec3;
+use gearbench_models::declare_parameters;
 use gearbench_models::error::BuildError;
+use gearbench_models::gear::parameters::whole;
 use gearbench_models::gear::properties::Properties;
 use gearbench_models::gear::rigid::Rigid;
-use gearbench_models::gear::table::{GearContext, Model, ParameterInfo};
+use gearbench_models::gear::table::{GearContext, Model};
 use gearbench_models::gear::{FlankNodes, FlankSurface, GearModel, HubBody};
 use gearbench_models::geometry::{FlankGrid, Flanks, Gear, Rack, Side};
 use gearbench_models::kinematics::Placement;
-use gearbench_models::spec::{Body, Value};
+use gearbench_models::spec::Body;
 
-pub(crate) const fn takes(key: &'static str, meaning: &'static str) -> ParameterInfo {
-    ParameterInfo {
-        key,
-        meaning,
-        required: false,
+declare_parameters! {
+    /// Nodes of the flanks of a test gear.
+    pub struct NodeParameters {
+        /// nodes along the profile
+        #[serde(deserialize_with = "whole")]
+        rows: usize,
+        /// nodes over the width
+        #[serde(deserialize_with = "whole")]
+        columns: usize,
+    }
+}
+
+declare_parameters! {
+    /// Parameters of the rigid gear with flanks.
+    struct RigidFlanksParameters model "rigid-flanks-test" {
+        /// how far tips stand off their involutes
+        lean_pitches: f64,
+        flatten nodes: NodeParameters,
     }
 }
 
 /// Row of a rigid gear with flanks in the table of models.
-pub const RIGID: Model = Model {
-    id: "rigid-flanks-test",
-    title: "rigid gear with flanks of nodes (test)",
-    parameters: &[
-        takes("rows", "nodes along the profile"),
-        takes("columns", "nodes over the width"),
-        takes("lean_pitches", "how far tips stand off their involutes"),
-    ],
-    properties: Properties::NONE,
-    build: build_rigid,
-};
-
-pub(crate) fn number(context: &GearContext<'_>, key: &str, default: f64) -> f64 {
-    match context.parameters.get(key) {
-        Some(Value::Number(x)) => *x,
-        _ => default,
-    }
-}
+pub const RIGID: Model = Model::of::<RigidFlanksParameters>(
+    "rigid gear with flanks of nodes (test)",
+    Properties::NONE,
+    build_rigid,
+);
 
 /// Returns the grids of all flanks of a body: `place(tooth, side, t, w)` is the position of a node at `t` from 0 at
 /// the form circle to 1 at the tip and at `w` from -1/2 to 1/2 over the width.
@@ -96,19 +98,19 @@ fn rack_grids(rack: &Rack, rows: usize, columns: usize) -> Flanks {
     })
 }
 
-pub(crate) fn flanks_of(context: &GearContext<'_>) -> Flanks {
-    let count = |key, default| number(context, key, default) as usize;
-    let (rows, columns) = (count("rows", 9.0), count("columns", 2.0));
-    match context.body {
+pub(crate) fn flanks_of(body: &Body, nodes: &NodeParameters) -> Flanks {
+    let (rows, columns) = (nodes.rows.unwrap_or(9), nodes.columns.unwrap_or(2));
+    match body {
         Body::Gear(gear) => grids(gear, rows, columns),
         Body::Rack(rack) => rack_grids(rack, rows, columns),
     }
 }
 
 fn build_rigid(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
-    let mut flanks = flanks_of(context);
+    let given = context.parameters::<RigidFlanksParameters>()?;
+    let mut flanks = flanks_of(context.body, &given.nodes);
     if let Body::Gear(gear) = context.body {
-        flanks = leaning(gear, flanks, number(context, "lean_pitches", 0.0));
+        flanks = leaning(gear, flanks, given.lean_pitches.unwrap_or(0.0));
     }
     Ok(Box::new(RigidFlanks {
         rigid: Rigid::new(context.hub.clone(), context.effective_radius),

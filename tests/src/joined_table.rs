@@ -2,11 +2,12 @@
 
 use crate::{case_a, contact, elastic_toy, elastic_web, flank_test_gears, nodal_test_gear};
 use gearbench::context::Context;
+use gearbench_models::gear::movable_teeth::{MovableTeethParameters, PerTooth};
+use gearbench_models::gear::parameters::ModelParameters;
 use gearbench_models::gear::table::{MODELS, Model};
 use gearbench_models::scene::Scene;
-use gearbench_models::spec::{
-    ContactSpec, FlankContact, ModelSpec, Modelling, Parameters, PointContact, Value,
-};
+use gearbench_models::spec::{ContactSpec, FlankContact, ModelSpec, Modelling, PointContact};
+use serde_json::Value;
 
 /// Returns all models: the table of the crate and the example.
 pub fn models() -> Vec<Model> {
@@ -30,47 +31,51 @@ pub fn models_with_flanks() -> Vec<Model> {
     table
 }
 
+/// Returns a model of the table with parameters by their keys.
+pub fn model_of<K: Into<String>, V: Into<Value>>(
+    id: &str,
+    values: impl IntoIterator<Item = (K, V)>,
+) -> ModelSpec {
+    let table = models_with_flanks();
+    let row = table.iter().find(|m| m.id == id).unwrap();
+    row.spec(values).unwrap_or_else(|e| panic!("{e}"))
+}
+
 /// Returns the rigid model.
 pub fn rigid() -> ModelSpec {
-    ModelSpec {
-        id: "rigid".into(),
-        parameters: Parameters::new(),
-    }
+    gearbench_models::gear::rigid::spec()
 }
 
 /// Returns movable teeth with spring [N/m], mass [kg] and damper [N s/m] of each tooth.
 pub fn movable(k: f64, m: f64, c: f64) -> ModelSpec {
-    let parameters = Parameters::from([
-        ("tooth_stiffness_n_per_m".to_string(), Value::Number(k)),
-        ("tooth_mass_kg".to_string(), Value::Number(m)),
-        ("tooth_damping_ns_per_m".to_string(), Value::Number(c)),
-    ]);
-    ModelSpec {
-        id: "movable-teeth".into(),
-        parameters,
+    MovableTeethParameters {
+        tooth_stiffness_n_per_m: Some(PerTooth::All(k)),
+        tooth_mass_kg: Some(PerTooth::All(m)),
+        tooth_damping_ns_per_m: Some(PerTooth::All(c)),
+        ..MovableTeethParameters::default()
     }
+    .spec()
 }
 
 /// Returns a model with another parameter.
-pub fn with(mut model: ModelSpec, key: &str, value: Value) -> ModelSpec {
-    model.parameters.insert(key.into(), value);
+pub fn with(mut model: ModelSpec, key: &str, value: impl Into<Value>) -> ModelSpec {
+    model.set(key, value).unwrap_or_else(|e| panic!("{e}"));
     model
 }
 
 /// Returns movable teeth that are all integrated.
 pub fn all_teeth(model: ModelSpec) -> ModelSpec {
-    with(model, "integrate", Value::Text("all".into()))
+    with(model, "integrate", "all")
 }
 
 /// Returns the example model: half of the inertia in a rim of 20 kHz.
 pub fn web(damping_ratio: f64) -> ModelSpec {
-    let model = ModelSpec {
-        id: elastic_web::MODEL.id.into(),
-        parameters: Parameters::new(),
-    };
-    let model = with(model, "frequency_hz", Value::Number(2e4));
-    let model = with(model, "rim_share", Value::Number(0.5));
-    with(model, "damping_ratio", Value::Number(damping_ratio))
+    elastic_web::ElasticWebParameters {
+        frequency_hz: Some(2e4),
+        rim_share: Some(0.5),
+        damping_ratio: Some(damping_ratio),
+    }
+    .spec()
 }
 
 /// Typical values of parameters, whatever the model: undamped, with the coarsest meshes.
@@ -95,18 +100,14 @@ const VARIANTS: [(&str, &str); 2] = [("integrate", "all"), ("mass", "lumped")];
 /// Returns a row of the table with typical parameters.
 pub fn usual(model: &Model) -> ModelSpec {
     let takes = |key: &str| model.parameters.iter().any(|p| p.key == key);
-    let values = USUAL.iter().filter(|(key, _)| takes(key));
-    let parameters: Parameters = values
-        .map(|(key, x)| ((*key).to_string(), Value::Number(*x)))
-        .collect();
+    let spec = model.spec(USUAL.into_iter().filter(|(key, _)| takes(key)));
+    let spec = spec.unwrap_or_else(|e| panic!("{e}"));
+    let values = spec.values();
     for p in model.parameters.iter().filter(|p| p.required) {
-        let known = parameters.contains_key(p.key);
+        let known = values.contains_key(p.key);
         assert!(known, "{} needs a usual value of {}", model.id, p.key);
     }
-    ModelSpec {
-        id: model.id.into(),
-        parameters,
-    }
+    spec
 }
 
 /// Returns the contact stiffness per width [N/m per m] for [`usual`]: the part that the model itself does not include.
@@ -140,7 +141,7 @@ pub fn subjects() -> Vec<Subject> {
         let takes = |key: &str| model.parameters.iter().any(|p| p.key == key);
         let variants = VARIANTS.iter().filter(|(key, _)| takes(key));
         let variants = variants.map(|(key, value)| {
-            let spec = with(usual(model), key, Value::Text((*value).into()));
+            let spec = with(usual(model), key, *value);
             (format!("{}, {key} = {value}", model.id), spec)
         });
         for (name, spec) in std::iter::once(plain).chain(variants) {

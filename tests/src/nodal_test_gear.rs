@@ -8,10 +8,12 @@
 //!
 //! with the displacements from the assembled positions as coordinates: linear masses, exact momentum.
 
-use crate::flank_test_gears::{flanks_of, number, takes, undeformed};
+use crate::flank_test_gears::{NodeParameters, flanks_of, undeformed};
 use gearbench_integrators::system::{Coeffs, Energy, Power, Singular, StateView};
 use gearbench_models::Vec3;
+use gearbench_models::declare_parameters;
 use gearbench_models::error::{BuildError, GearPart};
+use gearbench_models::gear::parameters::number;
 use gearbench_models::gear::properties::Properties;
 use gearbench_models::gear::table::{GearContext, Model};
 use gearbench_models::gear::{
@@ -21,21 +23,30 @@ use gearbench_models::geometry::Flanks;
 use gearbench_models::kinematics::{Locus, Placement, Point, Row};
 use gearbench_models::spec::Body;
 
+declare_parameters! {
+    /// Parameters of the gear of point masses.
+    struct NodalParameters model "nodal-test" {
+        /// spring of a node
+        #[serde(deserialize_with = "number")]
+        stiffness_n_per_m: f64,
+        /// of a node
+        #[serde(deserialize_with = "number")]
+        mass_kg: f64,
+        /// dashpot of a node
+        #[serde(deserialize_with = "number")]
+        damping_ns_per_m: f64,
+        /// true asks for the condensed correction
+        condensed: bool,
+        flatten nodes: NodeParameters,
+    }
+}
+
 /// Row of a gear of point masses in the table of models.
-pub const NODAL: Model = Model {
-    id: "nodal-test",
-    title: "flank nodes as point masses on springs (test)",
-    parameters: &[
-        takes("rows", "nodes along the profile"),
-        takes("columns", "nodes over the width"),
-        takes("stiffness_n_per_m", "spring of a node"),
-        takes("mass_kg", "of a node"),
-        takes("damping_ns_per_m", "dashpot of a node"),
-        takes("condensed", "1: asks for the condensed correction"),
-    ],
-    properties: Properties::NONE,
-    build: build_nodal,
-};
+pub const NODAL: Model = Model::of::<NodalParameters>(
+    "flank nodes as point masses on springs (test)",
+    Properties::NONE,
+    build_nodal,
+);
 
 /// A gear of point masses; see [`NODAL`].
 struct Nodal {
@@ -59,9 +70,10 @@ fn build_nodal(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildErr
             "the nodal test gear is no rack",
         ));
     }
-    let flanks = flanks_of(context);
+    let given = context.parameters::<NodalParameters>()?;
+    let flanks = flanks_of(context.body, &given.nodes);
     let positions = undeformed(&flanks);
-    let m = number(context, "mass_kg", 1e-7);
+    let m = given.mass_kg.unwrap_or(1e-7);
     let of_nodes: f64 = positions.iter().map(|x| m * (x.x * x.x + x.y * x.y)).sum();
     let body = context.hub.inertia - of_nodes;
     if body <= 0.0 {
@@ -71,7 +83,7 @@ fn build_nodal(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildErr
             "the nodes are too heavy",
         ));
     }
-    let k = number(context, "stiffness_n_per_m", 1e8);
+    let k = given.stiffness_n_per_m.unwrap_or(1e8);
     let (first, own) = (context.hub.coordinates(), 3 * positions.len());
     let on_hub = |x: f64, of_node: f64| {
         let hub = std::iter::repeat_n(x, first);
@@ -93,8 +105,8 @@ fn build_nodal(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildErr
         body,
         k,
         m,
-        d: number(context, "damping_ns_per_m", 0.0),
-        condensed: number(context, "condensed", 0.0) != 0.0,
+        d: given.damping_ns_per_m.unwrap_or(0.0),
+        condensed: given.condensed == Some(true),
     }))
 }
 

@@ -20,7 +20,7 @@ use gearbench::studies::identify::{
 use gearbench_models::gear::table::properties_of;
 use gearbench_models::scene::{Channel, OfMesh, Scene};
 use gearbench_models::spec::{
-    ContactSpec, Modelling, Parameters, SceneSpec, effective_radius, mesh_layout,
+    ContactSpec, ModelSpec, Modelling, SceneSpec, effective_radius, mesh_layout,
 };
 use gearbench_models::stiffness::{Foundation, Hertz, IsoVariation, PairStiffness, ToothModel};
 use gearbench_reference::statics::{Load, LoadedPair, MeshCycle};
@@ -81,6 +81,13 @@ fn other(e: &dyn Display) -> ValidationError {
     ValidationError::Other(e.to_string())
 }
 
+/// Returns a gear of a model whose constants are not yet known.
+fn without_constants(model: &str) -> Result<ModelSpec, ValidationError> {
+    let row = models().iter().find(|m| m.id == model);
+    let row = row.ok_or_else(|| other(&format!("there is no model `{model}`")))?;
+    row.spec::<&str, f64>([]).map_err(|e| other(&e))
+}
+
 /// Fits the models of a scene to full finite elements.
 ///
 /// # Errors
@@ -118,8 +125,7 @@ pub fn carry(
     {
         let mut modelling = rigid.modelling.clone();
         for gear in &mut modelling.gears {
-            gear.id = (*model).into();
-            gear.parameters = Parameters::new();
+            *gear = without_constants(model)?;
         }
         let fit = keys.map(|keys| keys.iter().flat_map(|key| of_gears(key, &scene)).collect());
         let held = held
@@ -250,10 +256,11 @@ fn stiffnesses(
     for k in PUBLISHED {
         let mut modelling = iso.clone();
         for gear in &mut modelling.gears {
-            gear.id = "movable-teeth".into();
+            *gear = without_constants("movable-teeth")?;
         }
         let constants = Constants::of([("tooth_stiffness_n_per_m", k), ("tooth_mass_kg", 1e-4)]);
-        constants.apply("movable-teeth", &[&a.name, &b.name], &mut modelling);
+        let names = [a.name.as_str(), b.name.as_str()];
+        (constants.apply("movable-teeth", &names, &mut modelling)).map_err(|e| other(&e))?;
         all.push(Stiffness {
             source: "published (Ebrahimi, Eberhard 2006)".into(),
             convention: "tangential spring of one tooth on the dedendum circle, whole width; contact of ISO 6336-1 in series",
@@ -285,9 +292,9 @@ fn stiffnesses(
         pair_and_mesh: found,
     });
     for fit in fits {
-        let model = fit.modelling.gears.first().map_or("", |g| g.id.as_str());
+        let model = fit.modelling.gears.first().map_or("", |g| g.id());
         let (mut spec, mut modelling) = (spec.clone(), fit.modelling.clone());
-        apply(&fit.found.all, model, &mut spec, &mut modelling);
+        apply(&fit.found.all, model, &mut spec, &mut modelling).map_err(|e| other(&e))?;
         let told = fit.found.record.parameters.iter().filter_map(|p| {
             let wanted = p.key.contains("stiffness");
             Some(format!("{:.3e} {}", p.value.filter(|_| wanted)?, p.unit))

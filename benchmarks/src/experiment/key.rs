@@ -1,11 +1,11 @@
 //! Keys of pieces of work: hashes of everything that their results depend on. A finished piece is reused only if its
 //! result would be the same.
 
-use gearbench_models::spec::{Modelling, SceneSpec, Value};
+use gearbench_models::spec::{Modelling, SceneSpec};
 use gearbench_reference::files as bounded;
 use gearbench_reference::hash::Hash;
 use std::fmt;
-use std::path::Path;
+use std::path::PathBuf;
 
 /// The key of a piece of work.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -32,7 +32,7 @@ impl Key {
         let mut key = self.and(scene).and(modelling);
         for path in files(modelling) {
             // A file that cannot be read is the affair of the model that reads it.
-            if let Ok(bytes) = bounded::read(Path::new(path), MOST_OF_MODEL) {
+            if let Ok(bytes) = bounded::read(&path, MOST_OF_MODEL) {
                 key.0.bytes(&bytes);
             }
         }
@@ -50,11 +50,9 @@ impl fmt::Display for Key {
 const MOST_OF_MODEL: u64 = gearbench_reference::reduction::store::MAX_FILE_BYTES;
 
 /// Paths of the files that models read.
-pub fn files(modelling: &Modelling) -> impl Iterator<Item = &str> {
+pub fn files(modelling: &Modelling) -> impl Iterator<Item = PathBuf> {
     (modelling.gears.iter())
-        .flat_map(|g| g.parameters.values())
-        .filter_map(|v| match v {
-            Value::Text(text) if Path::new(text).is_file() => Some(text.as_str()),
-            _ => None,
-        })
+        .flat_map(|g| g.values().into_values())
+        .filter_map(|value| Some(PathBuf::from(value.as_str()?)))
+        .filter(|path| path.is_file())
 }

@@ -29,7 +29,7 @@ pub fn selected_models<'s>(
 ) -> Result<SelectedModels<'s>, SceneError> {
     let choices = scene.select(labels)?;
     let large = |c: &&ModelChoice| {
-        let ids = c.modelling.gears.iter().map(|g| g.id.as_str());
+        let ids = c.modelling.gears.iter().map(|g| g.id());
         ids.chain([c.model.as_str()])
             .any(|id| scene.properties_of(id).full_order)
     };

@@ -14,12 +14,13 @@ pub fn parameters(
 ) -> BTreeMap<String, BTreeMap<String, Value>> {
     let mut all: BTreeMap<String, BTreeMap<String, Value>> = (scene.gears.iter())
         .zip(&modelling.gears)
-        .filter(|(_, model)| !model.parameters.is_empty())
         .map(|(gear, model)| {
-            let values = model.parameters.iter();
-            let values = values.map(|(key, x)| (key.clone(), serde_json::json!(x)));
+            // Numbers are floats, whatever the model counts.
+            let values = model.values().into_iter();
+            let values = values.map(|(key, x)| (key, x.as_f64().map_or(x, Value::from)));
             (gear.name.clone(), values.collect())
         })
+        .filter(|(_, values): &(_, BTreeMap<_, _>)| !values.is_empty())
         .collect();
     for (mesh, contact) in scene.meshes.iter().zip(&modelling.contacts) {
         let [a, b] = scene.names_of(mesh.gears);

@@ -7,9 +7,10 @@ use gearbench_models::geometry::Pair;
 use gearbench_models::law::Damping;
 use gearbench_models::spec::{
     Body, ContactSpec, FlankContact, GearSpec, Load, ModelSpec, Mount, PointLaw, PointRule,
-    Profile, SpinTerms, SurfaceKind, Value, mesh_layout,
+    Profile, SpinTerms, SurfaceKind, mesh_layout,
 };
 use gearbench_reports::numbers::short;
+use serde_json::Value;
 
 /// Describes overlap ratio and total length of the contact lines of helical teeth over a mesh cycle.
 fn contact_lines_text(gear: &Body, mate: &Body, distance: f64) -> Option<String> {
@@ -299,13 +300,8 @@ fn model_text(scene: &SceneFile, choice: &ModelChoice) -> String {
     }
     if let Some(first) = choice.modelling.gears.first() {
         parts.extend(parameters(first));
-        if choice.modelling.gears.iter().any(|g| g.id != first.id) {
-            let ids: Vec<&str> = choice
-                .modelling
-                .gears
-                .iter()
-                .map(|g| g.id.as_str())
-                .collect();
+        if choice.modelling.gears.iter().any(|g| g.id() != first.id()) {
+            let ids: Vec<&str> = choice.modelling.gears.iter().map(|g| g.id()).collect();
             parts.push(format!("gears modelled as {}", ids.join(", ")));
         }
     }
@@ -366,14 +362,12 @@ fn contact_text(contact: &ContactSpec) -> String {
 }
 
 fn parameters(model: &ModelSpec) -> Vec<String> {
-    model
-        .parameters
-        .iter()
+    (model.values().iter())
         .map(|(key, value)| match value {
-            Value::Number(x) => format!("{key} = {}", short(*x, 5)),
-            Value::Text(x) => format!("{key} = {x}"),
-            Value::Flag(x) => format!("{key} = {x}"),
-            Value::List(x) => format!("{key}: {} values", x.len()),
+            Value::Number(x) => format!("{key} = {}", short(x.as_f64().unwrap_or(f64::NAN), 5)),
+            Value::String(x) => format!("{key} = {x}"),
+            Value::Array(x) => format!("{key}: {} values", x.len()),
+            other => format!("{key} = {other}"),
         })
         .collect()
 }

@@ -194,7 +194,7 @@ fn read_files(file: &SceneFile, choice: &ModelChoice) -> Result<Vec<Entry>, Scen
         return Ok(Vec::new());
     };
     let folder = scene.parent().unwrap_or(Path::new(""));
-    let read = files(&choice.modelling).map(PathBuf::from);
+    let read = files(&choice.modelling);
     let mut paths: Vec<PathBuf> = read.chain(file.data_files.iter().cloned()).collect();
     paths.sort();
     paths.dedup();

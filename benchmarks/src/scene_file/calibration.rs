@@ -23,8 +23,9 @@ use super::error::SceneError;
 use super::format::document_of;
 use super::reading::values::OrderedTable;
 use super::reading::{Document, Place, suggest};
+use gearbench_models::error::BuildError;
 use gearbench_models::law::Damping;
-use gearbench_models::spec::{Modelling, Value};
+use gearbench_models::spec::Modelling;
 use gearbench_models::stiffness::{PairOrMesh, PairStiffness};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -188,7 +189,15 @@ impl Constants {
 
     /// Replaces the values of the scene in contacts and in gears with the model, except for the gap. `names` are those
     /// of the gears. A stiffness of a pair stays one of a pair, a stiffness of the mesh one of the mesh.
-    pub fn apply(&self, model: &str, names: &[&str], modelling: &mut Modelling) {
+    ///
+    /// # Errors
+    /// A parameter that the model does not have.
+    pub fn apply(
+        &self,
+        model: &str,
+        names: &[&str],
+        modelling: &mut Modelling,
+    ) -> Result<(), BuildError> {
         for contact in &mut modelling.contacts {
             self.stiffen(&mut contact.stiffness);
             if let Some(c) = self.damping {
@@ -196,18 +205,18 @@ impl Constants {
             }
         }
         let gears = modelling.gears.iter_mut().zip(names);
-        for (gear, name) in gears.filter(|(g, _)| g.id == model) {
+        for (gear, name) in gears.filter(|(g, _)| g.id() == model) {
             // Parameters of a single gear follow those of all gears, and replace them.
             for own in [false, true] {
                 for (key, value) in &self.parameters {
                     let (of, key) = of_gear(key);
                     if of.is_some() == own && of.is_none_or(|of| of == *name) {
-                        gear.parameters
-                            .insert(key.to_owned(), Value::Number(*value));
+                        gear.set(key, *value)?;
                     }
                 }
             }
         }
+        Ok(())
     }
 
     /// Replaces the stiffness of a contact: constant, or a parabola if slope and curvature are known.

@@ -10,10 +10,12 @@ use super::reading::values::{ModelId, OneOrMany, OrderedTable, is_default};
 use super::reading::{Place, suggest};
 use super::study_plan::{IntegratorTable, schemes};
 use gearbench_integrators::Scheme;
+use gearbench_models::error::Subject;
 use gearbench_models::gear::table::Model;
-use gearbench_models::spec::{ContactSpec, ModelSpec, Modelling, Parameters, Value};
+use gearbench_models::spec::{ContactSpec, ModelSpec, Modelling};
 use gearbench_reports::record::Run;
 use serde::{Deserialize, Serialize, Serializer};
+use serde_json::Value;
 use std::path::Path;
 
 keys! {
@@ -116,23 +118,30 @@ fn whole_or_decimal<S: Serializer>(x: &f64, serializer: S) -> Result<S::Ok, S::E
     }
 }
 
-impl From<&Value> for ParameterValue {
-    fn from(value: &Value) -> Self {
+impl ParameterValue {
+    /// Converts a parameter of a model; `None` for a value that the format does not have.
+    fn of(value: &Value) -> Option<Self> {
         match value {
-            Value::Number(x) => ParameterValue::Number(*x),
-            Value::Text(x) => ParameterValue::Text(x.clone()),
-            Value::List(x) => ParameterValue::List(x.clone()),
-            Value::Flag(x) => ParameterValue::Flag(*x),
+            Value::Number(x) => x.as_f64().map(ParameterValue::Number),
+            Value::String(x) => Some(ParameterValue::Text(x.clone())),
+            Value::Array(x) => {
+                let numbers = x.iter().map(Value::as_f64);
+                numbers
+                    .collect::<Option<Vec<f64>>>()
+                    .map(ParameterValue::List)
+            }
+            Value::Bool(x) => Some(ParameterValue::Flag(*x)),
+            Value::Null | Value::Object(_) => None,
         }
     }
 }
 
 impl From<&ModelSpec> for GearModelTable {
     fn from(spec: &ModelSpec) -> Self {
-        let parameters = spec.parameters.iter();
-        let parameters = parameters.map(|(key, value)| (key.clone(), value.into()));
+        let values = spec.values().into_iter();
+        let parameters = values.filter_map(|(key, x)| Some((key, ParameterValue::of(&x)?)));
         GearModelTable {
-            model: ModelId(spec.id.clone()),
+            model: ModelId(spec.id().to_owned()),
             parameters: OrderedTable(parameters.collect()),
         }
     }
@@ -253,10 +262,7 @@ fn model(
 ) -> Result<ModelChoice, SceneError> {
     let model = keys.model.0;
     let label = keys.label.map_or_else(|| model.clone(), |l| l.0);
-    let own = ModelSpec {
-        parameters: parameters(&model, keys.parameters, context, &at.key("parameters"))?,
-        id: model.clone(),
-    };
+    let own = gear_model(&model, keys.parameters, context, at)?;
     let mut gears = vec![own; context.gears.len()];
     for (name, of) in keys.gears.0 {
         let at = at.key("gears").key(&name);
@@ -273,16 +279,10 @@ fn model(
             // Parameters of the configuration go to the gears that take its model.
             GearModelEntry::Id(ModelId(id)) if id == model => {}
             GearModelEntry::Id(ModelId(id)) => {
-                *gear = ModelSpec {
-                    id,
-                    parameters: Parameters::new(),
-                };
+                *gear = gear_model(&id, OrderedTable::default(), context, &at.key("gears"))?;
             }
             GearModelEntry::Own(keys) => {
-                let at = at.key("parameters");
-                let parameters = parameters(&keys.model.0, keys.parameters, context, &at)?;
-                let id = keys.model.0;
-                *gear = ModelSpec { id, parameters };
+                *gear = gear_model(&keys.model.0, keys.parameters, context, &at)?;
             }
         }
     }
@@ -299,7 +299,11 @@ fn model(
     let mut modelling = Modelling { gears, contacts };
     if let Some(constants) = calibration.as_ref().and_then(|c| c.constants.as_ref()) {
         let names: Vec<&str> = context.gears.iter().map(|g| g.spec.name.as_str()).collect();
-        constants.apply(&model, &names, &mut modelling);
+        let applied = constants.apply(&model, &names, &mut modelling);
+        applied.map_err(|e| {
+            at.key("calibration")
+                .error(e.to_string(), "this", e.reason.help)
+        })?;
     }
     let integrators = (keys.integrators).map(|list| schemes(&list, &at.key("integrators")));
     Ok(ModelChoice {
@@ -328,22 +332,30 @@ fn from_folder(text: &str, folder: Option<&Path>) -> String {
     }
 }
 
-/// Reads the parameters of a model; refuses unknown keys.
-fn parameters(
+/// Reads the model of a gear, whose table is at a place; refuses unknown models and keys.
+fn gear_model(
     model: &str,
     keys: OrderedTable<ParameterValue>,
     context: &Context<'_>,
     at: &Place<'_>,
-) -> Result<Parameters, SceneError> {
-    let row = context.models.iter().find(|m| m.id == model);
-    let known = row.map_or(&[][..], |row| row.parameters);
+) -> Result<ModelSpec, SceneError> {
+    let Some(row) = context.models.iter().find(|m| m.id == model) else {
+        let known: Vec<&str> = context.models.iter().map(|m| m.id).collect();
+        return at.first(&["model"]).refuse(
+            format!("there is no model `{model}`"),
+            "unknown name",
+            suggest::there_are(model, &known),
+        );
+    };
+    let at = at.key("parameters");
+    let known = row.parameters;
     let meaning = |key: &str| {
         known
             .iter()
             .find(|p| p.key == key)
             .map_or("", |p| p.meaning)
     };
-    let mut parameters = Parameters::new();
+    let mut values = Vec::new();
     for (key, value) in keys.0 {
         if !known.iter().any(|p| p.key == key) {
             let names: Vec<&str> = known.iter().map(|p| p.key).collect();
@@ -358,14 +370,24 @@ fn parameters(
             );
         }
         let value = match value {
-            ParameterValue::Number(x) => Value::Number(x),
-            ParameterValue::Text(text) => Value::Text(from_folder(&text, context.folder)),
-            ParameterValue::List(list) => Value::List(list),
-            ParameterValue::Flag(flag) => Value::Flag(flag),
+            ParameterValue::Number(x) => Value::from(x),
+            ParameterValue::Text(text) => Value::from(from_folder(&text, context.folder)),
+            ParameterValue::List(list) => Value::from(list),
+            ParameterValue::Flag(flag) => Value::from(flag),
         };
-        parameters.insert(key, value);
+        values.push((key, value));
     }
-    Ok(parameters)
+    row.spec(values).map_err(|e| {
+        let at = match &*e.subject {
+            Subject::Parameter { key, .. } => at.key(key),
+            _ => at,
+        };
+        at.error(
+            format!("{}: {}", e.subject, e.reason.cause),
+            "this",
+            e.reason.help,
+        )
+    })
 }
 
 fn contacts(

@@ -146,7 +146,6 @@ fn tolerance(scene: &SceneFile, at: &Place<'_>) -> Option<SceneError> {
 /// [`SceneError`] at the stiffness.
 fn tooth_springs(scene: &SceneFile, model: &ModelChoice) -> Result<(), SceneError> {
     for (gear, spec) in scene.spec.gears.iter().zip(&model.modelling.gears) {
-        // Parameters that cannot be read are refused where the model is built.
         let Some(p) = MovableTeethParameters::of(spec) else {
             continue;
         };
@@ -187,7 +186,7 @@ fn tooth_springs(scene: &SceneFile, model: &ModelChoice) -> Result<(), SceneErro
                 Some(_) => "tooth_stiffness_n_per_m",
                 None => "stiffness_at_radius_n_per_m",
             };
-            let error = BuildError::parameter(&spec.id, key, why).of_gear(&gear.name);
+            let error = BuildError::parameter(spec.id(), key, why).of_gear(&gear.name);
             return Err(scene.locate_in(&model.label, &error));
         }
     }

@@ -65,7 +65,7 @@ impl SceneFile {
     fn files_read(&self) -> Vec<PathBuf> {
         let of_models = self.models.iter().flat_map(|m| key::files(&m.modelling));
         let tables = self.references.iter().filter_map(|r| r.file());
-        (of_models.map(PathBuf::from))
+        of_models
             .chain(tables.map(Path::to_owned))
             .chain(self.data_files.iter().cloned())
             .collect()

@@ -90,7 +90,7 @@ pub fn mesh_mode(
         message,
         ..MeshMode::default()
     };
-    let full = |g: &ModelSpec| properties_of(models, &g.id).full_order;
+    let full = |g: &ModelSpec| properties_of(models, g.id()).full_order;
     if modelling.gears.iter().any(full) {
         return Some(none(
             "not computed: full finite elements have too many coordinates".into(),

@@ -116,7 +116,7 @@ pub fn assemble(
     };
     let names = spec.names_of(mesh.gears);
     let refuse = |why: String, help: &str| {
-        let mut ids: Vec<&str> = modelling.gears.iter().map(|g| g.id.as_str()).collect();
+        let mut ids: Vec<&str> = modelling.gears.iter().map(|g| g.id()).collect();
         ids.dedup();
         let why = format!(
             "the loaded start of the model `{}` cannot be computed: {why}",

@@ -151,7 +151,7 @@ fn is_elastic(gears: &[ModelSpec]) -> bool {
 
 /// True for a gear made of finite elements, reduced or not.
 pub fn of_elements(gear: &ModelSpec) -> bool {
-    [ElasticParameters::MODEL, FullOrderParameters::MODEL].contains(&gear.id.as_str())
+    [ElasticParameters::MODEL, FullOrderParameters::MODEL].contains(&gear.id())
 }
 
 /// Returns a model with few coordinates that has the same mesh mode.
@@ -161,12 +161,12 @@ fn analysed(modelling: &Modelling) -> Modelling {
         if let Some(full) = FullOrderParameters::of(gear) {
             let reduced = ElasticParameters {
                 modes: Some(most),
-                mesh: full.mesh,
+                mesh: full.mesh.clone(),
                 ..ElasticParameters::default()
             };
             return reduced.spec();
         }
-        let Some(mut reduced) = ElasticParameters::of(gear) else {
+        let Some(mut reduced) = ElasticParameters::of(gear).cloned() else {
             return gear.clone();
         };
         let modes = reduced.most_modes().map_or(most, |n| n.min(most));

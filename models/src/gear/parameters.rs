@@ -1,68 +1,195 @@
-//! Parameters of gear models: each model defines a struct; scenes and tables store them by key.
+//! Parameters of gear models: each model declares one struct, whose fields are the keys of scenes and whose comments say
+//! what they mean ([`declare_parameters!`](crate::declare_parameters)). Scenes hold that struct; files, records and fits
+//! reach its fields by their keys.
 
-use super::row::ParameterInfo;
 use crate::error::BuildError;
-use crate::spec::{ModelSpec, Modelling, Parameters, Value};
+use crate::spec::{ModelSpec, Modelling};
 use serde::de::{DeserializeOwned, Visitor};
 use serde::{Deserializer, Serialize};
+use serde_json::Value;
+use std::any::Any;
+use std::collections::BTreeMap;
 use std::fmt;
 
-/// Parameters of a model: a struct of options whose fields are the keys.
-pub trait ModelParameters: Default + Serialize + DeserializeOwned {
+/// A parameter of a model, with its description.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ParameterInfo {
+    /// Key of the parameter, with its unit.
+    pub key: &'static str,
+    /// Description of the effect of the parameter.
+    pub meaning: &'static str,
+    /// True if the parameter must be given.
+    pub required: bool,
+}
+
+/// Compares two texts at compile time.
+const fn same(a: &[u8], b: &[u8]) -> bool {
+    let mut i = 0;
+    while i < a.len() && i < b.len() && a[i] == b[i] {
+        i += 1;
+    }
+    i == a.len() && i == b.len()
+}
+
+/// Describes the parameters of a struct: those of an included part, then its own from their keys and comments. `required`
+/// are the keys that must be given, `N` is the total number.
+///
+/// # Panics
+/// At compile time, for another number.
+#[must_use]
+pub const fn described<const N: usize>(
+    part: Option<&[ParameterInfo]>,
+    own: &[(&'static str, &'static str)],
+    required: &[&str],
+) -> [ParameterInfo; N] {
+    let part = match part {
+        Some(part) => part,
+        None => &[],
+    };
+    assert!(part.len() + own.len() == N, "N is the total number");
+    let mut all = [ParameterInfo {
+        key: "",
+        meaning: "",
+        required: false,
+    }; N];
+    let mut i = 0;
+    while i < N {
+        if i < part.len() {
+            all[i] = part[i];
+        } else {
+            let (key, comment) = own[i - part.len()];
+            (all[i].key, all[i].meaning) = (key, comment.trim_ascii());
+            let mut k = 0;
+            while k < required.len() {
+                all[i].required |= same(key.as_bytes(), required[k].as_bytes());
+                k += 1;
+            }
+        }
+        i += 1;
+    }
+    all
+}
+
+/// Declares the parameters of a gear model: a struct of options. The fields are the keys, the comments their meanings, and
+/// `required(..)` lists the keys that must be given. `model "id"` makes the struct that of a model; without it, the struct
+/// is a part that others include by `flatten name: Struct`, whose keys come first.
+#[macro_export]
+macro_rules! declare_parameters {
+    (
+        $(#[$outer:meta])*
+        $visibility:vis struct $name:ident $(model $model:literal)? {
+            $( $(#[doc = $doc:literal])+ $(#[serde($($serde:tt)*)])* $key:ident: $type:ty, )*
+            $(flatten $part:ident: $inner:ty,)?
+        }
+        $(required($($required:ident),+))?
+    ) => {
+        $(#[$outer])*
+        #[derive(Clone, Debug, Default, PartialEq, serde::Deserialize, serde::Serialize)]
+        #[serde(default)]
+        #[allow(rustdoc::broken_intra_doc_links, reason = "meanings name vectors as [x, y, z]")]
+        $visibility struct $name {
+            $( $(#[doc = $doc])+ $(#[serde($($serde)*)])* pub $key: Option<$type>, )*
+            $(
+                /// Parameters that several models have.
+                #[serde(flatten)]
+                pub $part: $inner,
+            )?
+        }
+
+        impl $name {
+            /// Keys of the parameters with their descriptions.
+            pub const KEYS: &'static [$crate::gear::parameters::ParameterInfo] = {
+                use $crate::gear::parameters::ParameterInfo;
+                const REQUIRED: &[&str] = &[$($(stringify!($required)),+)?];
+                const OWN: &[(&str, &str)] = &[$((stringify!($key), concat!($($doc),+))),*];
+                const PART: Option<&[ParameterInfo]> = [$(Some(<$inner>::KEYS),)? None][0];
+                const ALL: [ParameterInfo; OWN.len() $(+ <$inner>::KEYS.len())?] =
+                    $crate::gear::parameters::described(PART, OWN, REQUIRED);
+                &ALL
+            };
+        }
+
+        $(
+            impl $crate::gear::parameters::ModelParameters for $name {
+                const MODEL: &'static str = $model;
+                const KEYS: &'static [$crate::gear::parameters::ParameterInfo] = Self::KEYS;
+            }
+        )?
+    };
+}
+
+/// Values of given parameters by their keys, as files and records hold them.
+pub type Values = BTreeMap<String, Value>;
+
+/// Parameters of a model: a struct of options whose fields are the keys, made by
+/// [`declare_parameters!`](crate::declare_parameters).
+pub trait ModelParameters:
+    Clone + fmt::Debug + Default + PartialEq + Serialize + DeserializeOwned + Send + Sync + 'static
+{
     /// Identifier of the model.
     const MODEL: &'static str;
     /// Keys of the model with their descriptions.
     const KEYS: &'static [ParameterInfo];
 
-    /// Reads the struct from the parameters of a scene.
+    /// Reads the struct from values by key.
     ///
     /// # Errors
-    /// The first key whose value is none that it takes.
-    fn read(parameters: &Parameters) -> Result<Self, BuildError> {
-        let json = |of: &Parameters| {
-            let fields = of.iter().map(|(k, v)| (k.clone(), to_json(v)));
-            serde_json::Value::Object(fields.collect())
-        };
-        serde_json::from_value(json(parameters)).map_err(|whole| {
+    /// The first key that is not known, or whose value is none that it takes.
+    fn read(values: Values) -> Result<Self, BuildError> {
+        let is_known = |key: &str| Self::KEYS.iter().any(|p| p.key == key);
+        if let Some(key) = values.keys().find(|key| !is_known(key)) {
+            let known: Vec<&str> = Self::KEYS.iter().map(|p| p.key).collect();
+            let way_out = match known.is_empty() {
+                true => "it has no parameters".to_string(),
+                false => format!("its parameters are {}", known.join(", ")),
+            };
+            let why = ("is not known", way_out);
+            return Err(BuildError::parameter(Self::MODEL, key, why));
+        }
+        let fields: serde_json::Map<String, Value> = (values.into_iter())
+            .map(|(k, x)| (k, whole_numbers(x)))
+            .collect();
+        serde_json::from_value(Value::Object(fields.clone())).map_err(|whole| {
             // All fields are options: the first key that fails by itself is the one to blame.
-            let blamed = parameters.iter().find_map(|(key, value)| {
-                let alone = Parameters::from([(key.clone(), value.clone())]);
-                let error = serde_json::from_value::<Self>(json(&alone)).err()?;
-                Some((key.as_str(), error))
+            let blamed = fields.into_iter().find_map(|(key, value)| {
+                let alone = serde_json::Map::from_iter([(key.clone(), value)]);
+                let error = serde_json::from_value::<Self>(Value::Object(alone)).err()?;
+                Some((key, error))
             });
-            let (key, why) = blamed.unwrap_or(("", whole));
+            let (key, why) = blamed.unwrap_or((String::new(), whole));
             let info = Self::KEYS.iter().find(|p| p.key == key);
             let meaning = info.map_or(String::new(), |p| format!("`{key}`: {}", p.meaning));
-            BuildError::parameter(Self::MODEL, key, (why.to_string(), meaning))
+            BuildError::parameter(Self::MODEL, &key, (why.to_string(), meaning))
         })
     }
 
-    /// Reads the parameters of a gear of this model, or returns `None`; invalid values are reported by the
-    /// construction of the gear.
-    fn of(spec: &ModelSpec) -> Option<Self> {
-        (spec.id == Self::MODEL).then(|| Self::read(&spec.parameters).ok())?
+    /// Creates a gear of this model with parameters by their keys.
+    ///
+    /// # Errors
+    /// The first key that is not known, or whose value is none that it takes.
+    fn by_key<K: Into<String>, V: Into<Value>>(
+        values: impl IntoIterator<Item = (K, V)>,
+    ) -> Result<ModelSpec, BuildError> {
+        let values = values.into_iter().map(|(k, x)| (k.into(), x.into()));
+        Ok(Self::read(values.collect())?.spec())
+    }
+
+    /// Returns the parameters of a gear, if it is of this model.
+    fn of(spec: &ModelSpec) -> Option<&Self> {
+        spec.parameters.any().downcast_ref()
     }
 
     /// Creates a gear of this model with these parameters.
-    fn spec(&self) -> ModelSpec {
-        let fields = match serde_json::to_value(self) {
-            Ok(serde_json::Value::Object(fields)) => fields,
-            _ => serde_json::Map::new(),
-        };
-        let parameters = fields
-            .into_iter()
-            .filter_map(|(key, value)| Some((key, from_json(value)?)))
-            .collect();
+    fn spec(self) -> ModelSpec {
         ModelSpec {
-            id: Self::MODEL.into(),
-            parameters,
+            parameters: Box::new(self),
         }
     }
 
     /// Changes the parameters of all gears of this model.
     fn change(modelling: &mut Modelling, change: impl Fn(&mut Self)) {
         for gear in &mut modelling.gears {
-            if let Some(mut parameters) = Self::of(gear) {
+            if let Some(mut parameters) = Self::of(gear).cloned() {
                 change(&mut parameters);
                 *gear = parameters.spec();
             }
@@ -70,34 +197,56 @@ pub trait ModelParameters: Default + Serialize + DeserializeOwned {
     }
 }
 
-/// Converts a value; whole numbers become integers, which integer and float fields accept.
-fn to_json(value: &Value) -> serde_json::Value {
-    let number = |x: f64| {
-        if x.fract() == 0.0 && x.is_sign_positive() && x <= 9e15 {
-            serde_json::Value::from(x as u64)
-        } else {
-            serde_json::Value::from(x)
-        }
-    };
-    match value {
-        Value::Number(x) => number(*x),
-        Value::Text(x) => x.as_str().into(),
-        Value::List(x) => x.iter().map(|x| number(*x)).collect(),
-        Value::Flag(x) => (*x).into(),
+/// Parameters of a gear of any model; implemented for the struct of each.
+pub(crate) trait AnyParameters: fmt::Debug + Send + Sync {
+    fn any(&self) -> &dyn Any;
+    fn copied(&self) -> Box<dyn AnyParameters>;
+    fn model(&self) -> &'static str;
+    /// The given parameters by their keys.
+    fn values(&self) -> Values;
+    /// Parameters of the same model from values by key.
+    fn read_again(&self, values: Values) -> Result<Box<dyn AnyParameters>, BuildError>;
+}
+
+impl<T: ModelParameters> AnyParameters for T {
+    fn any(&self) -> &dyn Any {
+        self
+    }
+
+    fn copied(&self) -> Box<dyn AnyParameters> {
+        Box::new(self.clone())
+    }
+
+    fn model(&self) -> &'static str {
+        T::MODEL
+    }
+
+    fn values(&self) -> Values {
+        let fields = match serde_json::to_value(self) {
+            Ok(Value::Object(fields)) => fields,
+            _ => serde_json::Map::new(),
+        };
+        (fields.into_iter())
+            .filter(|(_, value)| !value.is_null())
+            .collect()
+    }
+
+    fn read_again(&self, values: Values) -> Result<Box<dyn AnyParameters>, BuildError> {
+        Ok(Box::new(T::read(values)?))
     }
 }
 
-/// Converts a given parameter back.
-fn from_json(value: serde_json::Value) -> Option<Value> {
+/// Makes integers of whole numbers, which fields of integers and of floats accept.
+fn whole_numbers(value: Value) -> Value {
     match value {
-        serde_json::Value::Number(x) => x.as_f64().map(Value::Number),
-        serde_json::Value::String(x) => Some(Value::Text(x)),
-        serde_json::Value::Bool(x) => Some(Value::Flag(x)),
-        serde_json::Value::Array(x) => {
-            let numbers = x.iter().map(serde_json::Value::as_f64);
-            numbers.collect::<Option<Vec<f64>>>().map(Value::List)
-        }
-        serde_json::Value::Null | serde_json::Value::Object(_) => None,
+        Value::Number(x) => match x.as_f64() {
+            Some(x) if x.fract() == 0.0 && x.is_sign_positive() && x <= 9e15 => {
+                Value::from(x as u64)
+            }
+            _ => Value::Number(x),
+        },
+        Value::Array(all) => all.into_iter().map(whole_numbers).collect(),
+        other => other,
     }
 }
 
@@ -115,6 +264,10 @@ impl Visitor<'_> for Number {
     }
 
     fn visit_u64<E>(self, x: u64) -> Result<f64, E> {
+        Ok(x as f64)
+    }
+
+    fn visit_i64<E>(self, x: i64) -> Result<f64, E> {
         Ok(x as f64)
     }
 }

@@ -7,15 +7,18 @@ use super::capability_functions::work_on_hub;
 use super::free_flight::FreeFlight;
 use super::hub_body::HubBody;
 use super::model::GearModel;
+use super::parameters::ModelParameters;
 use super::properties::{Fit, Start};
 use crate::Vec3;
 use crate::kinematics::{Hub, Point, Row};
-use crate::spec::{ModelSpec, Parameters};
+use crate::spec::ModelSpec;
 use gearbench_integrators::FlightPath;
 use gearbench_integrators::system::{Coeffs, Singular, StateView};
 
-/// Identifier of the model.
-pub const MODEL: &str = "rigid";
+crate::declare_parameters! {
+    /// Parameters of the model: it has none.
+    pub struct RigidParameters model "rigid" {}
+}
 
 /// Fit of the contact law, the only constant of the model.
 pub const FIT: Fit = Fit {
@@ -30,10 +33,7 @@ pub const FIT: Fit = Fit {
 
 /// Creates a gear of this model for a scene.
 pub fn spec() -> ModelSpec {
-    ModelSpec {
-        id: MODEL.into(),
-        parameters: Parameters::new(),
-    }
+    RigidParameters {}.spec()
 }
 
 /// A rigid gear or rack.

@@ -2,10 +2,11 @@
 
 use super::elastic::lines::Strips;
 use super::model::GearModel;
+use super::parameters::{ModelParameters, ParameterInfo, Values};
 use super::properties::Properties;
 use crate::error::BuildError;
 use crate::kinematics::{Hub, MeshView, Placement};
-use crate::spec::{Body, Parameters};
+use crate::spec::{Body, ModelSpec};
 use crate::stiffness::Material;
 
 /// Data from which a gear is built.
@@ -37,30 +38,20 @@ pub struct GearContext<'a> {
     /// Time for which no other teeth come into mesh than those at the start [s]
     /// ([`SceneSpec::time_of_first_teeth`](crate::spec::SceneSpec::time_of_first_teeth)).
     pub time_of_first_teeth: f64,
-    /// Parameters from the scene.
-    pub parameters: &'a Parameters,
+    /// Its model, with the parameters from the scene.
+    pub model: &'a ModelSpec,
 }
 
-/// A parameter of a model, with its description.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct ParameterInfo {
-    /// Key of the parameter, with its unit.
-    pub key: &'static str,
-    /// Description of the effect of the parameter.
-    pub meaning: &'static str,
-    /// True if the parameter must be given.
-    pub required: bool,
-}
-
-impl ParameterInfo {
-    /// Declares a parameter that must be given.
-    #[must_use]
-    pub const fn required(key: &'static str, meaning: &'static str) -> Self {
-        ParameterInfo {
-            key,
-            meaning,
-            required: true,
-        }
+impl GearContext<'_> {
+    /// Returns the parameters of the gear.
+    ///
+    /// # Errors
+    /// [`BuildError`] if they are those of another model.
+    pub fn parameters<T: ModelParameters>(&self) -> Result<&T, BuildError> {
+        T::of(self.model).ok_or_else(|| {
+            let other = format!("has parameters of the model `{}`", self.model.id());
+            BuildError::parameter(T::MODEL, "", other)
+        })
     }
 }
 
@@ -78,6 +69,8 @@ pub struct Model {
     pub parameters: &'static [ParameterInfo],
     /// Properties that determine the studies in which the model can be used.
     pub properties: Properties,
+    /// Reads the parameters of a gear from values by key.
+    pub read: fn(Values) -> Result<ModelSpec, BuildError>,
     /// Constructor of a gear.
     pub build: Build,
 }
@@ -90,23 +83,32 @@ pub fn properties_of(models: &[Model], id: &str) -> Properties {
 }
 
 impl Model {
-    /// Builds a gear after checking that every parameter is known.
-    pub fn build(&self, context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
-        for key in context.parameters.keys() {
-            if !self.parameters.iter().any(|p| p.key == key) {
-                let known: Vec<&str> = self.parameters.iter().map(|p| p.key).collect();
-                let way_out = if known.is_empty() {
-                    "it has no parameters".to_string()
-                } else {
-                    format!("its parameters are {}", known.join(", "))
-                };
-                return Err(BuildError::parameter(
-                    self.id,
-                    key,
-                    ("is not known", way_out),
-                ));
-            }
+    /// Declares a model by its parameters.
+    #[must_use]
+    pub const fn of<T: ModelParameters>(
+        title: &'static str,
+        properties: Properties,
+        build: Build,
+    ) -> Self {
+        Model {
+            id: T::MODEL,
+            title,
+            parameters: T::KEYS,
+            properties,
+            read: |values| T::by_key(values),
+            build,
         }
-        (self.build)(context)
+    }
+
+    /// Creates a gear of this model with parameters by their keys.
+    ///
+    /// # Errors
+    /// The first key that is not known, or whose value is none that it takes.
+    pub fn spec<K: Into<String>, V: Into<serde_json::Value>>(
+        &self,
+        values: impl IntoIterator<Item = (K, V)>,
+    ) -> Result<ModelSpec, BuildError> {
+        let values = values.into_iter().map(|(k, x)| (k.into(), x.into()));
+        (self.read)(values.collect())
     }
 }

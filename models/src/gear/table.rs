@@ -5,7 +5,8 @@ use super::properties::Properties;
 use super::{movable_teeth, rigid};
 use crate::error::BuildError;
 
-pub use super::row::{Build, GearContext, Model, ParameterInfo, properties_of};
+pub use super::parameters::ParameterInfo;
+pub use super::row::{Build, GearContext, Model, properties_of};
 
 fn build_rigid(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
     Ok(Box::new(rigid::Rigid::new(
@@ -16,25 +17,21 @@ fn build_rigid(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildErr
 
 /// All gear models of this crate.
 pub static MODELS: &[Model] = &[
-    Model {
-        id: rigid::MODEL,
-        title: "rigid gear; all compliance in the contact law",
-        parameters: &[],
-        properties: Properties {
+    Model::of::<rigid::RigidParameters>(
+        "rigid gear; all compliance in the contact law",
+        Properties {
             rigid: true,
             fit: Some(rigid::FIT),
             ..Properties::NONE
         },
-        build: build_rigid,
-    },
-    Model {
-        id: "movable-teeth",
-        title: "one tangential coordinate per tooth (Ebrahimi, Eberhard 2006)",
-        parameters: movable_teeth::PARAMETERS,
-        properties: Properties {
+        build_rigid,
+    ),
+    Model::of::<movable_teeth::MovableTeethParameters>(
+        "one tangential coordinate per tooth (Ebrahimi, Eberhard 2006)",
+        Properties {
             fit: Some(movable_teeth::FIT),
             ..Properties::NONE
         },
-        build: movable_teeth::build,
-    },
+        movable_teeth::build,
+    ),
 ];

@@ -94,13 +94,13 @@ impl Scene {
                 ));
             }
             hubs.push(hub_of(g)?);
-            rows.push(models.iter().find(|m| m.id == model.id).ok_or_else(|| {
+            rows.push(models.iter().find(|m| m.id == model.id()).ok_or_else(|| {
                 let known: Vec<&str> = models.iter().map(|m| m.id).collect();
                 BuildError::gear(
                     &g.name,
                     GearPart::Model,
                     (
-                        format!("there is no model `{}`", model.id),
+                        format!("there is no model `{}`", model.id()),
                         format!("there are {}", known.join(", ")),
                     ),
                 )
@@ -126,10 +126,10 @@ impl Scene {
                 lines: lines_of(spec, modelling, i),
                 speed: initial_speed(g),
                 time_of_first_teeth: spec.time_of_first_teeth(),
-                parameters: &model.parameters,
+                model,
             };
-            let built = rows[i].build(&context).map_err(|e| e.of_gear(&g.name))?;
-            gears.push(SceneGear::new(&g.name, &model.id, built, &g.loads));
+            let built = (rows[i].build)(&context).map_err(|e| e.of_gear(&g.name))?;
+            gears.push(SceneGear::new(&g.name, model.id(), built, &g.loads));
         }
         gears.extend(plan.bodies.iter().map(ShaftBody::member));
         plan.check(&gears)?;

@@ -17,7 +17,7 @@ pub use layout::{
     stiffness_curve, transmission_error,
 };
 pub use load::Load;
-pub use model::{ModelSpec, Modelling, Parameters, Value};
+pub use model::{ModelSpec, Modelling};
 pub use mount::{Bearing, Freedom, Guide, Mount, OutOfPlaneSpec, SpinTerms, UPRIGHT, turned_to};
 pub use points::{
     CoarseSearch, FlankContact, MAX_POINTS, Passes, PointContact, PointLaw, PointRule, SurfaceKind,

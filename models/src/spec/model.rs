@@ -1,33 +1,61 @@
 //! Models of the gears and contacts of a scene.
 
 use super::scene::ContactSpec;
-use serde::Serialize;
-use std::collections::BTreeMap;
+use crate::error::BuildError;
+use crate::gear::parameters::{AnyParameters, Values};
+use serde_json::Value;
+use std::fmt;
 
-/// A parameter value of a gear model.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-#[serde(untagged)]
-pub enum Value {
-    /// A number in SI units.
-    Number(f64),
-    /// A word, such as the name of a variant.
-    Text(String),
-    /// Numbers, one per tooth or breakpoint.
-    List(Vec<f64>),
-    /// A truth value.
-    Flag(bool),
+/// Model of a gear: the parameters of that model, a struct that implements
+/// [`ModelParameters`](crate::gear::parameters::ModelParameters).
+pub struct ModelSpec {
+    pub(crate) parameters: Box<dyn AnyParameters>,
 }
 
-/// Parameters of a gear model by name, in SI units.
-pub type Parameters = BTreeMap<String, Value>;
-
-/// Model of a gear, with its parameters.
-#[derive(Clone, Debug, PartialEq)]
-pub struct ModelSpec {
+impl ModelSpec {
     /// Identifier in the table of models.
-    pub id: String,
-    /// Parameters of the model.
-    pub parameters: Parameters,
+    pub fn id(&self) -> &'static str {
+        self.parameters.model()
+    }
+
+    /// The given parameters by their keys, in SI units.
+    pub fn values(&self) -> Values {
+        self.parameters.values()
+    }
+
+    /// Gives a parameter by its key; a null takes it away.
+    ///
+    /// # Errors
+    /// A key that the model does not have, or a value that it does not take.
+    pub fn set(&mut self, key: &str, value: impl Into<Value>) -> Result<(), BuildError> {
+        let mut values = self.values();
+        match value.into() {
+            Value::Null => values.remove(key),
+            value => values.insert(key.to_owned(), value),
+        };
+        self.parameters = self.parameters.read_again(values)?;
+        Ok(())
+    }
+}
+
+impl Clone for ModelSpec {
+    fn clone(&self) -> Self {
+        ModelSpec {
+            parameters: self.parameters.copied(),
+        }
+    }
+}
+
+impl PartialEq for ModelSpec {
+    fn eq(&self, other: &Self) -> bool {
+        self.id() == other.id() && self.values() == other.values()
+    }
+}
+
+impl fmt::Debug for ModelSpec {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} {:?}", self.id(), self.parameters)
+    }
 }
 
 /// Models of the gears and contacts of a scene.

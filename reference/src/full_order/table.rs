@@ -4,68 +4,50 @@ use super::body::{AddedInertia, Body};
 use super::gear::FullOrder;
 use super::lines::Lines;
 use crate::assembly::tie::MassKind;
-use crate::mesh_source::{self, MeshParameters, RAYLEIGH, Reader, Source, optional};
+use crate::mesh_source::{MeshParameters, Reader, Source};
 use crate::reduction::added_of;
+use gearbench_models::declare_parameters;
 use gearbench_models::error::BuildError;
 use gearbench_models::gear::GearModel;
 use gearbench_models::gear::parameters::ModelParameters;
 use gearbench_models::gear::properties::Properties;
-use gearbench_models::gear::table::{GearContext, Model, ParameterInfo};
+use gearbench_models::gear::table::{GearContext, Model};
 use gearbench_models::spec::{Body as Toothing, UPRIGHT};
-use serde::{Deserialize, Serialize};
 
-const MODEL: &str = "fe";
-
-/// Parameters of the model.
-const PARAMETERS: [ParameterInfo; 13] = mesh_source::with_own(&[
-    optional(
-        "mass",
-        "\"consistent\" (default) or \"lumped\", which explicit methods want",
-    ),
-    RAYLEIGH,
-]);
-
-/// Parameters of the model; the row of its table describes them.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(default)]
-pub struct FullOrderParameters {
-    /// Mass matrix; `None` selects the consistent one.
-    pub mass: Option<MassKind>,
-    /// Constants of damping proportional to mass and stiffness, of which the first has to be 0 [1/s, s].
-    pub rayleigh: Option<[f64; 2]>,
-    /// Where the mesh comes from.
-    #[serde(flatten)]
-    pub mesh: MeshParameters,
+declare_parameters! {
+    /// Parameters of the model.
+    pub struct FullOrderParameters model "fe" {
+        /// "consistent" (default) or "lumped", which explicit methods want
+        mass: MassKind,
+        /// [alpha, beta] of the damping alpha M + beta K, in 1/s and s; beta damps the static compliance of cut modes and the contact as well; alpha damps the modes of `elastic`
+        rayleigh: [f64; 2],
+        flatten mesh: MeshParameters,
+    }
 }
 
-impl ModelParameters for FullOrderParameters {
-    const MODEL: &'static str = MODEL;
-    const KEYS: &'static [ParameterInfo] = &PARAMETERS;
-}
+const MODEL: &str = FullOrderParameters::MODEL;
 
 /// Row of the model in the table.
-pub const ROW: Model = Model {
-    id: MODEL,
-    title: "full finite elements: every node moves, contact over the flank faces",
-    parameters: &PARAMETERS,
-    properties: Properties {
+pub const ROW: Model = Model::of::<FullOrderParameters>(
+    "full finite elements: every node moves, contact over the flank faces",
+    Properties {
         full_order: true,
         ..Properties::NONE
     },
     build,
-};
+);
 
 fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
     let reader = Reader {
         model: MODEL,
         context,
     };
-    let given = FullOrderParameters::read(context.parameters)?;
+    let given = context.parameters::<FullOrderParameters>()?;
     let mass = given.mass.unwrap_or(MassKind::Consistent);
     let [alpha, retardation] = reader.rayleigh(given.rayleigh)?;
     if alpha != 0.0 {
         return Err(reader.error(
-            RAYLEIGH.key,
+            "rayleigh",
             (
                 "damping proportional to the mass is that of modes, which this model does not have",
                 "give [0, beta], or use the model `elastic`",
@@ -152,7 +134,7 @@ mod tests {
     use gearbench_models::Vec3;
     use gearbench_models::gear::elastic::lines::Strips;
     use gearbench_models::kinematics::{BodyMass, OutOfPlane};
-    use gearbench_models::spec::{Bearing, Freedom, Mount, Parameters, Value};
+    use gearbench_models::spec::{Bearing, Freedom, Mount};
     use gearbench_models::stiffness::Material;
     use nalgebra::Matrix3;
     use std::sync::Arc;
@@ -177,14 +159,12 @@ mod tests {
             spins: false,
         }));
         let counts = ["flank", "fillet", "across", "rim", "width"];
-        let parameters: Parameters = counts
-            .map(|key| (format!("{key}_elements"), Value::Number(3.0)))
-            .into();
+        let model = ROW.spec(counts.map(|key| (format!("{key}_elements"), 3)))?;
         let context = GearContext {
             lines,
-            ..test_support::context(&body, &hub, &parameters)
+            ..test_support::context(&body, &hub, &model)
         };
-        let gear = ROW.build(&context)?;
+        let gear = (ROW.build)(&context)?;
         Ok((gear.hub().len(), gear.hub().coordinates()))
     }
 

@@ -1,6 +1,5 @@
 //! Parameters of a gear as its model reads them: numbers in their ranges, errors that name model and key.
 
-use super::RAYLEIGH;
 use gearbench_models::error::{BuildError, Reason};
 use gearbench_models::gear::table::GearContext;
 
@@ -38,7 +37,7 @@ impl Reader<'_> {
         match both.iter().all(|x| x.is_finite() && *x >= 0.0) {
             true => Ok(both),
             false => Err(self.error(
-                RAYLEIGH.key,
+                "rayleigh",
                 "expected two numbers of 0 or more: [alpha, beta]",
             )),
         }

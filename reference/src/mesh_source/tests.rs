@@ -4,8 +4,9 @@ use super::{MeshParameters, Reader, Source, Stored};
 use crate::mesh::{self, Mesh};
 use crate::{deck, test_support};
 use gearbench_models::Vec3;
+use gearbench_models::gear::rigid;
 use gearbench_models::geometry::{GearParams, Side};
-use gearbench_models::spec::{Body, Mount, Parameters};
+use gearbench_models::spec::{Body, Mount};
 use gearbench_models::stiffness::Material;
 
 /// Given and default counts are multiplied by the same factor, and other settings are preserved.
@@ -37,7 +38,7 @@ fn of_gmsh(change: impl FnOnce(&mut GearParams)) -> Body {
 }
 
 fn read(body: &Body, given: &MeshParameters) -> Result<Box<Stored>, String> {
-    let (hub, none) = (test_support::hub(Mount::Revolute, None), Parameters::new());
+    let (hub, none) = (test_support::hub(Mount::Revolute, None), rigid::spec());
     let context = test_support::context(body, &hub, &none);
     let reader = Reader {
         model: "elastic",

@@ -8,8 +8,9 @@ use crate::test_support::{self, coarse, stub};
 use crate::vector::dot;
 use gearbench_models::Vec3;
 use gearbench_models::gear::elastic::reduced::OutOfPlaneShapes;
+use gearbench_models::gear::rigid;
 use gearbench_models::kinematics::{BodyMass, OutOfPlane};
-use gearbench_models::spec::{Bearing, Body, Freedom, Mount, Parameters};
+use gearbench_models::spec::{Bearing, Body, Freedom, Mount};
 use gearbench_models::stiffness::Material;
 use nalgebra::Matrix3;
 use std::sync::Arc;
@@ -224,7 +225,7 @@ fn what_turns_with_the_gear_is_free_in_both_directions_or_held() {
 /// Axes of a rack's hub start with its slide, which is the own y.
 #[test]
 fn a_mounting_is_that_of_the_hub() {
-    let none = Parameters::new();
+    let none = rigid::spec();
     let steel = STEEL.density;
     let lateral_of = |mass: f64, free: [usize; 2]| {
         let mut directions = [const { Freedom::Fixed }; 6];

@@ -2,46 +2,45 @@
 
 use super::choose::Criterion;
 use super::open;
-use super::table::{MODEL, PARAMETERS};
 use crate::mesh_source::MeshParameters;
+use gearbench_models::declare_parameters;
 use gearbench_models::gear::elastic::SpinTerms;
-use gearbench_models::gear::parameters::{ModelParameters, number, whole};
-use gearbench_models::gear::table::ParameterInfo;
-use serde::{Deserialize, Serialize};
+use gearbench_models::gear::parameters::{number, whole};
 use std::path::Path;
 
-/// The parameters; the table of models says what they mean.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(default)]
-#[expect(
-    missing_docs,
-    reason = "the keys of scenes, described in the table of models"
-)]
-pub struct ElasticParameters {
-    pub reduction: Option<String>,
-    #[serde(deserialize_with = "whole")]
-    pub modes: Option<usize>,
-    #[serde(deserialize_with = "number")]
-    pub max_frequency_hz: Option<f64>,
-    pub choose: Option<Criterion>,
-    pub residual: Option<bool>,
-    #[serde(deserialize_with = "number")]
-    pub target_error: Option<f64>,
-    #[serde(deserialize_with = "number")]
-    pub damping_ratio: Option<f64>,
-    pub rayleigh: Option<[f64; 2]>,
-    #[serde(deserialize_with = "number")]
-    pub step_s: Option<f64>,
-    pub spin_terms: Option<SpinTerms>,
-    #[serde(deserialize_with = "number")]
-    pub vibration_cut_off: Option<f64>,
-    #[serde(flatten)]
-    pub mesh: MeshParameters,
-}
-
-impl ModelParameters for ElasticParameters {
-    const MODEL: &'static str = MODEL;
-    const KEYS: &'static [ParameterInfo] = &PARAMETERS;
+declare_parameters! {
+    /// Parameters of the model.
+    pub struct ElasticParameters model "elastic" {
+        /// path of a stored reduction (.npz, made by `gearbench reduce`) in place of a mesh
+        reduction: String,
+        /// most modes to keep; default 100 (all of a stored reduction, or where `max_frequency_hz` is given), 0 is quasi-static
+        #[serde(deserialize_with = "whole")]
+        modes: usize,
+        /// highest frequency of a mode to keep
+        #[serde(deserialize_with = "number")]
+        max_frequency_hz: f64,
+        /// "teeth-in-mesh": made for the teeth in mesh at the start (default of a short scene without loads in which less than half a pitch passes); "flank-compliance" (default of others): the modes that yield most at the flanks; "frequency": the lowest
+        choose: Criterion,
+        /// true (default): truncated modes stay as static compliance; false: plain truncation
+        residual: bool,
+        /// keeps the fewest modes whose estimated error of the force history, relative L2, is this or less
+        #[serde(deserialize_with = "number")]
+        target_error: f64,
+        /// damping ratio of all modes; default 0
+        #[serde(deserialize_with = "number")]
+        damping_ratio: f64,
+        /// [alpha, beta] of the damping alpha M + beta K, in 1/s and s; beta damps the static compliance of cut modes and the contact as well; alpha damps the modes of `elastic`
+        rayleigh: [f64; 2],
+        /// longest step that shall carry the modes: those above 0.64 pi / step are truncated; default 1e-6
+        #[serde(deserialize_with = "number")]
+        step_s: f64,
+        /// centrifugal and Coriolis terms, which couple the modes: "auto" (default: from a spin rate of 1 % of the lowest frequency), "full" or "none"
+        spin_terms: SpinTerms,
+        /// modes are put to rest in flight below this share of the energy of the next impact; default 0: never
+        #[serde(deserialize_with = "number")]
+        vibration_cut_off: f64,
+        flatten mesh: MeshParameters,
+    }
 }
 
 impl ElasticParameters {

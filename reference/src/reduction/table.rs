@@ -5,69 +5,28 @@ use super::estimate::Impacts;
 use super::parameters::ElasticParameters;
 use super::recovery::{MeshExtent, MeshRecovery};
 use super::{Basis, ModeSelection, ReductionError, open, shared};
-use crate::mesh_source::{self, RAYLEIGH, Reader, Source, optional};
+use crate::mesh_source::{MeshParameters, Reader, Source};
 use gearbench_models::error::BuildError;
 use gearbench_models::gear::GearModel;
 use gearbench_models::gear::elastic::Elastic;
 use gearbench_models::gear::parameters::ModelParameters;
 use gearbench_models::gear::properties::Properties;
-use gearbench_models::gear::table::{GearContext, Model, ParameterInfo};
+use gearbench_models::gear::table::{GearContext, Model};
 use gearbench_models::spec::Body as Toothing;
 use std::path::Path;
 use std::sync::{Arc, OnceLock};
 
-pub(super) const MODEL: &str = "elastic";
-
-/// Parameters of the model.
-pub(super) const PARAMETERS: [ParameterInfo; 22] = mesh_source::with_own(&[
-    optional(
-        "reduction",
-        "path of a stored reduction (.npz, made by `gearbench reduce`) in place of a mesh",
-    ),
-    optional(
-        "modes",
-        "most modes to keep; default 100 (all of a stored reduction, or where `max_frequency_hz` is given), 0 is quasi-static",
-    ),
-    optional("max_frequency_hz", "highest frequency of a mode to keep"),
-    optional(
-        "choose",
-        "\"teeth-in-mesh\": made for the teeth in mesh at the start (default of a short scene without loads in which less than half a pitch passes); \"flank-compliance\" (default of others): the modes that yield most at the flanks; \"frequency\": the lowest",
-    ),
-    optional(
-        "residual",
-        "true (default): truncated modes stay as static compliance; false: plain truncation",
-    ),
-    optional(
-        "target_error",
-        "keeps the fewest modes whose estimated error of the force history, relative L2, is this or less",
-    ),
-    optional("damping_ratio", "damping ratio of all modes; default 0"),
-    RAYLEIGH,
-    optional(
-        "step_s",
-        "longest step that shall carry the modes: those above 0.64 pi / step are truncated; default 1e-6",
-    ),
-    optional(
-        "spin_terms",
-        "centrifugal and Coriolis terms, which couple the modes: \"auto\" (default: from a spin rate of 1 % of the lowest frequency), \"full\" or \"none\"",
-    ),
-    optional(
-        "vibration_cut_off",
-        "modes are put to rest in flight below this share of the energy of the next impact; default 0: never",
-    ),
-]);
+const MODEL: &str = ElasticParameters::MODEL;
 
 /// Row of the model in the table.
-pub const ROW: Model = Model {
-    id: MODEL,
-    title: "reduced finite elements: a few modes and the static compliance of the others",
-    parameters: &PARAMETERS,
-    properties: Properties {
+pub const ROW: Model = Model::of::<ElasticParameters>(
+    "reduced finite elements: a few modes and the static compliance of the others",
+    Properties {
         modes: true,
         ..Properties::NONE
     },
     build,
-};
+);
 
 /// Largest number of requested modes.
 const MOST_MODES: usize = 5000;
@@ -184,8 +143,9 @@ fn computed(
 
 /// Returns the basis of a stored reduction, compared with the gear and the request.
 fn stored(reader: &Reader<'_>, path: &str, asked: &ModeRequest) -> Result<BasisResult, BuildError> {
-    let mut own = mesh_source::PARAMETERS.iter().map(|p| p.key);
-    if let Some(key) = own.find(|k| reader.context.parameters.contains_key(*k)) {
+    let given = reader.context.model.values();
+    let mut own = MeshParameters::KEYS.iter().map(|p| p.key);
+    if let Some(key) = own.find(|k| given.contains_key(*k)) {
         return Err(reader.error(
             key,
             (
@@ -254,7 +214,7 @@ fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
         model: MODEL,
         context,
     };
-    let given = ElasticParameters::read(context.parameters)?;
+    let given = context.parameters::<ElasticParameters>()?;
     let count = reader.count("modes", given.modes, 0, MOST_MODES)?;
     let residual = given.keeps_residual();
     let step = reader.positive("step_s", given.step_s)?.unwrap_or(STEP);
@@ -269,17 +229,17 @@ fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
             ),
         ));
     }
-    let damping = damping(&reader, &given)?;
+    let damping = damping(&reader, given)?;
     let vibration_cut_off = reader.not_negative("vibration_cut_off", given.vibration_cut_off)?;
     let asked = ModeRequest {
-        by: criterion(context, &given),
+        by: criterion(context, given),
         count,
         max_frequency,
         target: target.is_some(),
     };
     let (basis, count, candidates, mesh) = match &given.reduction {
         Some(path) => stored(&reader, path, &asked)?,
-        None => computed(&reader, &given, &asked)?,
+        None => computed(&reader, given, &asked)?,
     };
     let highest = choose::highest_for_step(step)
         .min(max_frequency.map_or(f64::INFINITY, |f| std::f64::consts::TAU * f));
@@ -363,7 +323,8 @@ fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
 mod tests {
     use super::*;
     use crate::test_support;
-    use gearbench_models::spec::{Mount, Parameters, Value};
+    use gearbench_models::spec::Mount;
+    use serde_json::Value;
 
     fn built(mount: Mount, parameters: &[(&str, Value)]) -> Result<usize, BuildError> {
         let gear = test_support::gear(18, 2e-3, |p| {
@@ -372,37 +333,35 @@ mod tests {
         });
         let radius = gear.r_base();
         let (body, hub) = (Toothing::Gear(gear), test_support::hub(mount, None));
-        let mut all: Parameters = [
-            ("flank_elements", 3.0),
-            ("fillet_elements", 2.0),
-            ("across_elements", 6.0),
-            ("rim_elements", 2.0),
-            ("width_elements", 1.0),
-        ]
-        .into_iter()
-        .map(|(key, x)| (key.to_string(), Value::Number(x)))
-        .collect();
-        all.extend(parameters.iter().map(|(k, v)| (k.to_string(), v.clone())));
+        let mesh = [
+            ("flank_elements", 3),
+            ("fillet_elements", 2),
+            ("across_elements", 6),
+            ("rim_elements", 2),
+            ("width_elements", 1),
+        ];
+        let mesh = mesh.map(|(key, n)| (key, Value::from(n)));
+        let model = ROW.spec(mesh.into_iter().chain(parameters.iter().cloned()))?;
         let context = GearContext {
             slides: false,
             lines: None,
             effective_radius: radius,
-            ..test_support::context(&body, &hub, &all)
+            ..test_support::context(&body, &hub, &model)
         };
-        ROW.build(&context).map(|g| g.hub().own)
+        (ROW.build)(&context).map(|g| g.hub().own)
     }
 
     #[test]
     fn parameters_say_which_modes() {
-        let number = |x: f64| Value::Number(x);
-        let word = |x: &str| Value::Text(x.into());
+        let number = |x: f64| Value::from(x);
+        let word = |x: &str| Value::from(x);
         let modes = built(Mount::Revolute, &[("modes", number(30.0))]).unwrap();
         assert!((29..=30).contains(&modes));
         let held = built(Mount::Fixed, &[("modes", number(0.0))]).unwrap();
         assert_eq!(held, 0);
         let below = [
             ("max_frequency_hz", number(2e5)),
-            ("residual", Value::Flag(false)),
+            ("residual", Value::from(false)),
         ];
         let below = built(Mount::Revolute, &below).unwrap();
         assert!(below > 20);
@@ -426,7 +385,7 @@ mod tests {
             (
                 vec![
                     ("target_error", number(0.1)),
-                    ("residual", Value::Flag(false)),
+                    ("residual", Value::from(false)),
                 ],
                 "leave out",
             ),

@@ -1,12 +1,12 @@
 //! Statics of rigid gears: it must return the law's own curve.
 
 use super::{Load, LoadedPair, MeshCycle, PairForce, StaticsError};
-use gearbench_models::gear::table::MODELS;
+use gearbench_models::gear::{rigid as rigid_gear, table::MODELS};
 use gearbench_models::geometry::{Gear, GearParams, Rack, RackParams, Side};
 use gearbench_models::law::Damping;
 use gearbench_models::spec::{
-    Body, ContactSpec, FlankContact, GearSpec, Load as HubLoad, MeshSpec, ModelSpec, Modelling,
-    Mount, Profile, SceneSpec, Start, UPRIGHT, mesh_layout, stiffness_curve,
+    Body, ContactSpec, FlankContact, GearSpec, Load as HubLoad, MeshSpec, Modelling, Mount,
+    Profile, SceneSpec, Start, UPRIGHT, mesh_layout, stiffness_curve,
 };
 use gearbench_models::stiffness::{
     IsoVariation, Material, PairOrMesh, PairStiffness, Path, mesh_stiffness,
@@ -55,10 +55,7 @@ fn pair(side: Side) -> SceneSpec {
 }
 
 fn rigid(stiffness: PairStiffness, exponent: f64) -> Modelling {
-    let rigid = ModelSpec {
-        id: "rigid".into(),
-        parameters: Default::default(),
-    };
+    let rigid = rigid_gear::spec();
     Modelling {
         gears: vec![rigid.clone(), rigid],
         contacts: vec![ContactSpec {

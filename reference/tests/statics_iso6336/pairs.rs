@@ -1,14 +1,15 @@
 //! The pairs, by laws of stiffness and by finite elements.
 
 use crate::common::{self, modelling};
+use gearbench_models::declare_parameters;
 use gearbench_models::error::{BuildError, GearPart};
 use gearbench_models::gear::GearModel;
+use gearbench_models::gear::parameters::ModelParameters;
 use gearbench_models::gear::properties::Properties;
-use gearbench_models::gear::table::{GearContext, MODELS, Model, ParameterInfo};
+use gearbench_models::gear::rigid;
+use gearbench_models::gear::table::{GearContext, MODELS, Model};
 use gearbench_models::geometry::{Gear, GearParams};
-use gearbench_models::spec::{
-    Body, FlankContact, ModelSpec, Mount, Parameters, PointContact, PointRule, SceneSpec, Value,
-};
+use gearbench_models::spec::{Body, FlankContact, Mount, PointContact, PointRule, SceneSpec};
 use gearbench_models::stiffness::{
     Foundation, Hertz, IsoVariation, Material, PairStiffness, RootLength, ToothModel,
 };
@@ -105,32 +106,32 @@ pub const USUAL: Fineness = Fineness {
     width: 2,
 };
 
-const KEYS: [&str; 6] = ["flank", "fillet", "across", "layers", "rim", "width"];
-
-const fn count(key: &'static str) -> ParameterInfo {
-    ParameterInfo {
-        key,
-        meaning: "elements",
-        required: true,
+declare_parameters! {
+    /// Elements of the pair.
+    struct FinePairParameters model "fe" {
+        /// elements along a flank
+        flank: usize,
+        /// elements along a fillet
+        fillet: usize,
+        /// elements across a tooth
+        across: usize,
+        /// layers below the flank
+        layers: usize,
+        /// elements from root to bore
+        rim: usize,
+        /// elements over the face width
+        width: usize,
+        /// kind of the elements
+        kind: String,
     }
 }
 
 /// Finite elements with fine teeth where the contact is.
-const FINE_WHERE_IT_TOUCHES: Model = Model {
-    id: "fe",
-    title: "finite elements, fine teeth about the pitch point",
-    parameters: &[
-        count("flank"),
-        count("fillet"),
-        count("across"),
-        count("layers"),
-        count("rim"),
-        count("width"),
-        count("kind"),
-    ],
-    properties: Properties::NONE,
-    build: fine,
-};
+const FINE_WHERE_IT_TOUCHES: Model = Model::of::<FinePairParameters>(
+    "finite elements, fine teeth about the pitch point",
+    Properties::NONE,
+    fine,
+);
 
 fn fine(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
     let Body::Gear(gear) = context.body else {
@@ -140,25 +141,21 @@ fn fine(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
             "is no gear",
         ));
     };
-    let n = |key: &str| match &context.parameters[key] {
-        Value::Number(x) => *x as usize,
-        other => panic!("{key}: {other:?}"),
-    };
-    let Value::Text(kind) = &context.parameters["kind"] else {
-        panic!("kind")
-    };
-    let layers = n("layers");
+    let given = context.parameters::<FinePairParameters>()?;
+    let n = |count: Option<usize>| count.expect("all counts are given");
+    let kind = given.kind.as_deref().expect("the kind is given");
+    let layers = n(given.layers);
     let params = GearMeshParams {
         kind: ElementKind::from_name(kind).unwrap(),
         tooth: Tooth {
-            flank: n("flank"),
-            fillet: n("fillet"),
+            flank: n(given.flank),
+            fillet: n(given.fillet),
             root: 2,
-            across: n("across"),
+            across: n(given.across),
         },
         layers,
-        rim: n("rim"),
-        width: n("width"),
+        rim: n(given.rim),
+        width: n(given.width),
         fine_teeth: Some(FineTeeth {
             teeth: vec![0, 1, gear.teeth() - 1],
             others: Tooth {
@@ -203,26 +200,21 @@ pub fn analytic(hertz: Hertz) -> PairStiffness {
 }
 
 pub fn rigid_pair(case: &Case, stiffness: PairStiffness) -> LoadedPair {
-    let rigid = ModelSpec {
-        id: "rigid".into(),
-        parameters: Parameters::new(),
-    };
-    let modelling = modelling(rigid, stiffness, FlankContact::Toothing);
+    let modelling = modelling(rigid::spec(), stiffness, FlankContact::Toothing);
     LoadedPair::new(&scene(case), &modelling, MODELS).unwrap()
 }
 
 pub fn elastic_pair(case: &Case, f: Fineness, penalty: f64) -> LoadedPair {
-    let counts = [f.flank, f.fillet, f.across, f.layers, f.rim, f.width];
-    let mut parameters: Parameters = KEYS
-        .iter()
-        .zip(counts)
-        .map(|(key, n)| (key.to_string(), Value::Number(n as f64)))
-        .collect();
-    parameters.insert("kind".into(), Value::Text(f.kind.name().into()));
-    let fe = ModelSpec {
-        id: "fe".into(),
-        parameters,
-    };
+    let fe = FinePairParameters {
+        flank: Some(f.flank),
+        fillet: Some(f.fillet),
+        across: Some(f.across),
+        layers: Some(f.layers),
+        rim: Some(f.rim),
+        width: Some(f.width),
+        kind: Some(f.kind.name().into()),
+    }
+    .spec();
     let points = PointContact {
         rule: PointRule::Quadrature {
             along: 4,

@@ -7,7 +7,7 @@ use gearbench_integrators::{
 use gearbench_models::Vec3;
 use gearbench_models::kinematics::Tooth;
 use gearbench_models::scene::Scene;
-use gearbench_models::spec::{Load, Mount, Profile, Value, effective_radius};
+use gearbench_models::spec::{Load, Mount, Profile, effective_radius};
 use gearbench_tests::*;
 
 const NAMES: [&str; 2] = ["pinion", "wheel"];
@@ -96,7 +96,7 @@ fn movable_teeth_load_their_bearing_with_their_inertia() {
     let (m, count, reference) = (4.8e-3, [20_i64, 30], [0.035, 0.052]);
     let teeth = reference.map(|r| {
         let teeth = all_teeth(movable(5.3e8, m, 40.0));
-        with(teeth, "spring_radius_m", Value::Number(r))
+        with(teeth, "spring_radius_m", r)
     });
     let mut seen = 0.0_f64;
     let spec = super::movable_teeth::loaded(1.0, 300.0, 40.0);

@@ -168,7 +168,7 @@ fn elastic_laws_switch_without_a_jump_of_the_force() {
                 assert!(
                     (a - b).abs() < 1e-6,
                     "{} {exponent}: the force jumps from {a} to {b}",
-                    models[0].id
+                    models[0].id()
                 );
             }
             // And back: opening there changes nothing either.

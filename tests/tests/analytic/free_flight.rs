@@ -8,23 +8,21 @@ use gearbench_integrators::{
 };
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{
-    ContactSpec, FlankContact, Load, ModelSpec, Mount, Parameters, PointContact, Profile,
-    SceneSpec, Value,
+    ContactSpec, FlankContact, Load, ModelSpec, Mount, PointContact, Profile, SceneSpec,
 };
 use gearbench_tests::*;
 
 pub fn toy(damping: f64) -> ModelSpec {
-    let number = |key: &str, x: f64| (key.to_string(), Value::Number(x));
-    ModelSpec {
-        id: "elastic-toy".into(),
-        parameters: Parameters::from([
-            number("rows", 9.0),
-            number("columns", 2.0),
-            number("modes", 6.0),
-            number("residual_m_per_n", 2e-9),
-            number("damping_ratio", damping),
-        ]),
-    }
+    model_of(
+        "elastic-toy",
+        [
+            ("rows", 9.0),
+            ("columns", 2.0),
+            ("modes", 6.0),
+            ("residual_m_per_n", 2e-9),
+            ("damping_ratio", damping),
+        ],
+    )
 }
 
 pub fn with_points() -> ContactSpec {
@@ -167,7 +165,7 @@ fn motions_without_a_closed_form_are_stepped_through() {
     let unequal = with(
         movable(1e8, 4.8e-3, 0.0),
         "tooth_stiffness_n_per_m",
-        Value::List(unequal),
+        unequal,
     );
     assert!(!flies(&|_| {}, [unequal, rigid()]));
     let touching = |spec: &mut SceneSpec| spec.meshes[0].start.gap = -1e-6;

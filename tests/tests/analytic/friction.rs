@@ -120,7 +120,7 @@ fn friction_never_drives_and_its_loss_is_in_the_ledger() {
                 run_with(Some(Friction::new(MU, V_REF).unwrap())),
                 run_with(None),
             );
-            let what = format!("{}, driven {driven}", models[0].id);
+            let what = format!("{}, driven {driven}", models[0].id());
             let residual = with.ledger.residual_relative();
             assert!(
                 residual.abs() < 1e-5,

@@ -272,7 +272,7 @@ fn tangents_and_corrections_know_guides() {
         scene.correct(s.at(), c, &mut x).unwrap();
         let worst = x.iter().zip(&direction).zip(&scale);
         let worst = worst.fold(0.0_f64, |m, ((x, y), s)| m.max((x - y).abs() / s));
-        println!("{}: correction off by {worst:.1e}", model.id);
+        println!("{}: correction off by {worst:.1e}", model.id());
         assert!(worst < 1e-9, "{worst:e}");
     }
 }

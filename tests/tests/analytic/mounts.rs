@@ -150,7 +150,7 @@ fn driven_gears_put_their_power_into_the_ledger() {
         for profile in &profiles {
             for stiffness in [contact(1.5e10).stiffness, iso.clone()] {
                 for model in [rigid(), teeth.clone(), web(0.02)] {
-                    if driven == 1 && model.id != "rigid" {
+                    if driven == 1 && model.id() != "rigid" {
                         continue;
                     }
                     let mut spec = case_a(2e-6);
@@ -179,7 +179,7 @@ fn driven_gears_put_their_power_into_the_ledger() {
                         .unwrap("driven");
                     let what = format!(
                         "gear {driven} driven by {profile:?}, {}, {}",
-                        models[0].id,
+                        models[0].id(),
                         stiffness.id()
                     );
                     assert!(
@@ -244,7 +244,7 @@ fn rack_and_pinion_exchange_momentum() {
             assert!(
                 drift.abs() < 1e-10,
                 "{side:?} {}: momentum drifts by {drift:.2e}",
-                model.id
+                model.id()
             );
             let energy = o.ledger.end.total() / o.ledger.start.unwrap().total() - 1.0;
             assert!(energy.abs() < 1e-6, "energy {energy:.2e}");

@@ -10,7 +10,7 @@ use gearbench_models::geometry::Side;
 use gearbench_models::law::Damping;
 use gearbench_models::scene::OfMesh;
 use gearbench_models::scene::Scene;
-use gearbench_models::spec::{ContactSpec, Load, ModelSpec, Mount, Profile, SceneSpec, Value};
+use gearbench_models::spec::{ContactSpec, Load, ModelSpec, Mount, Profile, SceneSpec};
 use gearbench_tests::*;
 
 const K: f64 = 5.3e8;
@@ -267,7 +267,7 @@ fn all_teeth_are_integrated_where_windows_do_not_fit() {
     // Unequal teeth.
     let mut k = vec![K; 20];
     k[3] *= 0.5;
-    let cracked = with(teeth.clone(), "tooth_stiffness_n_per_m", Value::List(k));
+    let cracked = with(teeth.clone(), "tooth_stiffness_n_per_m", k);
     assert_eq!(coordinates(&case_a(3e-6), &[cracked, rigid()], 0), 21);
     // Two meshes side by side on a small idler: the windows would overlap.
     let mut close = train(0.0);
@@ -278,7 +278,7 @@ fn all_teeth_are_integrated_where_windows_do_not_fit() {
     close.gears[2].position = [0.1001 - 0.1001 * angle.cos(), 0.1001 * angle.sin(), 0.0];
     let three = [
         teeth.clone(),
-        with(teeth.clone(), "tooth_mass_kg", Value::Number(1e-3)),
+        with(teeth.clone(), "tooth_mass_kg", 1e-3),
         teeth,
     ];
     let n = coordinates(&close, &three, 1);

@@ -309,13 +309,17 @@ fn ten_loaded_mesh_cycles_within_a_thousandth_take_so_much_work() {
             let differ = found[i].iter().zip(&fine[i]).map(|(a, b)| (a - b).powi(2));
             (differ.sum::<f64>() / fine[i].iter().map(|x| x * x).sum::<f64>()).sqrt()
         });
-        println!("{}: errors {errors:?}, {work:?}", model.id);
-        assert!(errors.iter().all(|e| *e < 1e-3), "{}: {errors:?}", model.id);
+        println!("{}: errors {errors:?}, {work:?}", model.id());
+        assert!(
+            errors.iter().all(|e| *e < 1e-3),
+            "{}: {errors:?}",
+            model.id()
+        );
         let took = [work.force_evaluations, work.steps, work.events];
         assert!(
             took.iter().zip(most).all(|(took, most)| *took <= most),
             "{}: {took:?}",
-            model.id
+            model.id()
         );
     }
     // Timing looks at the same runs without observers.

@@ -2,15 +2,17 @@
 
 use gearbench::context::Context;
 use gearbench::scene_file::{Origin, SceneFile};
+use gearbench_models::gear::parameters::ModelParameters;
 use gearbench_models::geometry::Side;
 use gearbench_models::law::Damping;
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{
-    ContactSpec, Load, MeshSpec, ModelSpec, Modelling, Mount, Profile, SceneSpec, Start, Value,
+    ContactSpec, Load, MeshSpec, ModelSpec, Modelling, Mount, Profile, SceneSpec, Start,
     mesh_layout,
 };
 use gearbench_models::stiffness::{PairOrMesh, PairStiffness};
 use gearbench_tests::*;
+use serde_json::Value;
 
 /// Checks that a scene is refused with a message that contains all of the words.
 fn refused(spec: &SceneSpec, gears: &[ModelSpec], contact: &ContactSpec, words: &[&str]) {
@@ -35,6 +37,18 @@ fn scene(change: impl FnOnce(&mut SceneSpec), words: &[&str]) {
 fn model(pinion: ModelSpec, words: &[&str]) {
     let gears = [pinion, rigid()];
     refused(&case_a(3e-6), &gears, &contact(1.5e10), words);
+}
+
+/// Checks that a parameter of a model is refused, where it is given or where the gear is built.
+fn parameter(mut pinion: ModelSpec, key: &str, value: impl Into<Value>, words: &[&str]) {
+    match pinion.set(key, value) {
+        Ok(()) => model(pinion, words),
+        Err(e) => {
+            let message = e.to_string();
+            let says = words.iter().all(|word| message.contains(word));
+            assert!(says, "`{message}` does not say {words:?}");
+        }
+    }
 }
 
 const START: Start = Start {
@@ -131,10 +145,12 @@ fn mounts_loads_and_inertias() {
 
 #[test]
 fn models_and_their_parameters() {
-    let unknown = ModelSpec {
-        id: "rubber".into(),
-        ..rigid()
-    };
+    // A model of another program, whose table has it.
+    gearbench_models::declare_parameters! {
+        /// It has none.
+        struct RubberParameters model "rubber" {}
+    }
+    let unknown = RubberParameters {}.spec();
     let known = [
         "`pinion`",
         "no model `rubber`",
@@ -142,22 +158,26 @@ fn models_and_their_parameters() {
         "elastic-web",
     ];
     model(unknown, &known);
-    let extra = with(rigid(), "k", Value::Number(1.0));
-    model(extra, &["`rigid`", "`k`", "it has no parameters"]);
+    parameter(
+        rigid(),
+        "k",
+        1.0,
+        &["`rigid`", "`k`", "it has no parameters"],
+    );
     let teeth = || movable(5e8, 5e-3, 0.0);
-    let (mass, text) = ("tooth_mass_kg", |x: &str| Value::Text(x.into()));
-    let radii = Value::List(vec![0.04, 0.05]);
+    let (mass, text) = ("tooth_mass_kg", |x: &str| Value::from(x));
+    let radii = Value::from(vec![0.04, 0.05]);
     for (key, value, words) in [
-        ("tooth_weight", Value::Number(1.0), ["`tooth_weight`", mass]),
+        ("tooth_weight", Value::from(1.0), ["`tooth_weight`", mass]),
         (
             mass,
-            Value::Number(-1.0),
+            Value::from(-1.0),
             ["`tooth_mass_kg`", "-1 is not positive"],
         ),
-        (mass, Value::Number(0.5), ["`pinion`", "smaller tooth mass"]),
+        (mass, Value::from(0.5), ["`pinion`", "smaller tooth mass"]),
         (
             mass,
-            Value::List(vec![1e-3; 7]),
+            Value::from(vec![1e-3; 7]),
             ["7 values", "for 20 teeth"],
         ),
         (mass, text("light"), ["expected a number", "light"]),
@@ -172,17 +192,17 @@ fn models_and_their_parameters() {
             ["stiffness_radius_m", "needs both"],
         ),
     ] {
-        model(with(teeth(), key, value), &words);
+        parameter(teeth(), key, value, &words);
     }
-    let mut missing = teeth();
-    missing.parameters.remove("tooth_stiffness_n_per_m");
-    model(
-        missing,
+    parameter(
+        teeth(),
+        "tooth_stiffness_n_per_m",
+        Value::Null,
         &["`tooth_stiffness_n_per_m`", "is missing", "identify"],
     );
     // The example refuses in the same manner.
     model(
-        with(web(0.0), "rim_share", Value::Number(1.5)),
+        with(web(0.0), "rim_share", 1.5),
         &["`elastic-web`", "`rim_share`", "below 1"],
     );
 }

@@ -8,7 +8,7 @@ use gearbench_models::geometry::{
 };
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{
-    Body, GearSpec, ModelSpec, Mount, Profile, SceneSpec, Value, effective_radius,
+    Body, GearSpec, ModelSpec, Mount, Profile, SceneSpec, effective_radius,
 };
 use gearbench_tests::*;
 
@@ -95,12 +95,12 @@ fn by_radius(model: ModelSpec) -> ModelSpec {
     let model = with(
         model,
         "stiffness_radius_m",
-        Value::List(vec![0.036, 0.040, 0.044, 0.062]),
+        vec![0.036, 0.040, 0.044, 0.062],
     );
     with(
         model,
         "stiffness_at_radius_n_per_m",
-        Value::List(vec![7e8, 6e8, 4e8, 3e8]),
+        vec![7e8, 6e8, 4e8, 3e8],
     )
 }
 
@@ -189,7 +189,7 @@ fn helical_and_modified_flanks_in_slices() {
                 [web(0.0), rigid()],
             ] {
                 check(
-                    &format!("{name} {side:?} {}", models[0].id),
+                    &format!("{name} {side:?} {}", models[0].id()),
                     &spec,
                     &models,
                     2e-6,
@@ -231,7 +231,7 @@ fn gear_and_rack_on_both_flanks() {
                 [web(0.0), rigid()],
             ] {
                 check(
-                    &format!("{name} {side:?} {}", models[0].id),
+                    &format!("{name} {side:?} {}", models[0].id()),
                     &spec,
                     &models,
                     5e-8,
@@ -269,7 +269,7 @@ fn an_idler_with_two_meshes() {
         [teeth.clone(), teeth.clone(), teeth.clone()],
         [rigid(), web(0.0), teeth.clone()],
     ] {
-        check(&format!("idler {}", models[1].id), &spec, &models, 5e-8);
+        check(&format!("idler {}", models[1].id()), &spec, &models, 5e-8);
     }
 }
 
@@ -329,8 +329,8 @@ fn gap_rate_holds_with_driven_gears() {
                         assert!(
                             (by_difference - rate).abs() <= 1e-7 * (1.0 + rate.abs()),
                             "{} {} driven {driven}, rack {with_rack}: {rate} but {by_difference}",
-                            models[0].id,
-                            models[1].id
+                            models[0].id(),
+                            models[1].id()
                         );
                         seen += 1;
                     }

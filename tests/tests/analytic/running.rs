@@ -9,8 +9,7 @@ use gearbench_models::geometry::GearParams;
 use gearbench_models::law::Damping;
 use gearbench_models::scene::{OfGear, OfMesh, Scene};
 use gearbench_models::spec::{
-    ContactSpec, Load, ModelSpec, Modelling, Parameters, Profile, SceneSpec, Value,
-    effective_radius, mesh_layout,
+    ContactSpec, Load, ModelSpec, Modelling, Profile, SceneSpec, effective_radius, mesh_layout,
 };
 use gearbench_reference::statics::{Load as StaticLoad, LoadedPair, MeshCycle};
 use gearbench_tests::*;
@@ -169,13 +168,13 @@ fn slices_share_stiffness_and_damping() {
                     assert!(
                         (got - want).abs() < allowed * want.abs(),
                         "{damping:?} {} {slices} slices: {got} against {want}",
-                        model.id
+                        model.id()
                     );
                 }
             }
             println!(
                 "{damping:?} {}: speeds and losses of 1 to 64 slices agree within {worst:.1e}",
-                model.id
+                model.id()
             );
         }
     }
@@ -237,11 +236,11 @@ fn running_under_load_keeps_its_energy() {
             );
             ledger.residual().abs() / watch.power
         });
-        println!("{}: {residuals:?}", model.id);
+        println!("{}: {residuals:?}", model.id());
         assert!(
             residuals[0] < 1e-3 && residuals[2] < 1e-4,
             "{}: {residuals:?}",
-            model.id
+            model.id()
         );
     }
 }
@@ -287,13 +286,13 @@ fn slow_running_tends_to_statics() {
             ];
             println!(
                 "{} {:?} {hertz} Hz: peak {:.4}, TE {:.4}",
-                model.id,
+                model.id(),
                 contact.damping,
                 1.0 + off[0],
                 1.0 + off[1]
             );
             let worst = off[0].abs().max(off[1].abs());
-            assert!(worst < bound, "{} {hertz} Hz: {off:?}", model.id);
+            assert!(worst < bound, "{} {hertz} Hz: {off:?}", model.id());
             assert!(worst < before);
             before = worst;
         }
@@ -382,7 +381,7 @@ fn the_order_of_the_gears_does_not_matter() {
             ]
         };
         for (a, b) in end(&spec).iter().zip(end(&other)) {
-            assert!((a - b).abs() < 1e-9 * a.abs(), "{}: {a} {b}", model.id);
+            assert!((a - b).abs() < 1e-9 * a.abs(), "{}: {a} {b}", model.id());
         }
     }
 }

@@ -176,14 +176,14 @@ fn tangent_is_the_derivative_of_the_force() {
                         assert!(
                             touching > 0.1,
                             "{} {damping:?} {located}: {touching} N",
-                            models[0].id
+                            models[0].id()
                         );
                         let error = tangent_error(&mut scene, &s);
                         assert!(
                             error < 2e-6,
                             "{} {}, {}, exponent {exponent}, {damping:?}, friction {}, located {located}: {error:.2e}",
-                            models[0].id,
-                            models[1].id,
+                            models[0].id(),
+                            models[1].id(),
                             stiffness.id(),
                             friction.is_some()
                         );
@@ -224,7 +224,8 @@ fn coupled_pairs_and_edges_of_tips_have_their_tangent() {
                     let (mut scene, s) = pressed_at(&models, &contact, located, 8e-6, Some(along));
                     let what = format!(
                         "{} {}, {damping:?}, {along}, located {located}",
-                        models[0].id, models[1].id
+                        models[0].id(),
+                        models[1].id()
                     );
                     assert_eq!(of_edge(&scene, &s), edge, "{what}");
                     let error = tangent_error(&mut scene, &s);
@@ -258,7 +259,7 @@ fn closed_contacts_continue_smoothly_into_the_gap() {
             assert!(
                 error < 2e-6,
                 "{} {exponent} {damping:?}: {error:.2e}",
-                models[0].id
+                models[0].id()
             );
         }
     }

@@ -7,7 +7,7 @@ use gearbench_integrators::{
 };
 use gearbench_models::geometry::{Gear, Side};
 use gearbench_models::scene::Scene;
-use gearbench_models::spec::{ModelSpec, Mount, Profile, Value};
+use gearbench_models::spec::{ModelSpec, Mount, Profile};
 use gearbench_tests::*;
 
 use crate::movable_teeth::loaded;
@@ -21,7 +21,7 @@ fn one_tooth_deflects_by_its_torque_over_its_spring() {
     let mut spec = case_a(0.0);
     spec.gears[1].mount = Mount::Fixed;
     let r_d = 0.035;
-    let teeth = with(movable(K, M, 0.0), "spring_radius_m", Value::Number(r_d));
+    let teeth = with(movable(K, M, 0.0), "spring_radius_m", r_d);
     // Both hubs are held; the loaded teeth settle where spring and contact agree.
     spec.gears[0].mount = Mount::Fixed;
     spec.meshes[0].start = start(Side::Left, -5e-6);
@@ -139,19 +139,13 @@ fn teeth_start_with_their_driven_hub() {
 fn by_radius(damping: f64) -> ModelSpec {
     let gear = Gear::new(spur(20)).unwrap();
     let r = [gear.r_form(), gear.r_reference(), gear.r_tip()];
-    let model = with(
-        movable(6e8, M, damping),
-        "stiffness_radius_m",
-        Value::List(r.to_vec()),
-    );
+    let model = with(movable(6e8, M, damping), "stiffness_radius_m", r.to_vec());
     let model = with(
         model,
         "stiffness_at_radius_n_per_m",
-        Value::List(vec![6e8, 4.5e8, 2.5e8]),
+        vec![6e8, 4.5e8, 2.5e8],
     );
-    let mut model = model;
-    model.parameters.remove("tooth_stiffness_n_per_m");
-    model
+    with(model, "tooth_stiffness_n_per_m", serde_json::Value::Null)
 }
 
 #[test]

@@ -68,7 +68,7 @@ fn torques_pass_a_train_with_the_ratio_of_its_ends() {
         [rigid(), web(0.0), rigid()],
         [movable(5e8, 2e-3, 0.0), movable(5e8, 2e-3, 0.0), rigid()],
     ] {
-        let id = models[1].id.clone();
+        let id = models[1].id();
         let mut scene = train(models, held.clone(), [30.0, 0.0], Side::Right);
         let s = settle(&mut scene);
         let t = ["first", "idler", "last"]

@@ -9,7 +9,7 @@ use gearbench_integrators::{
     method,
 };
 use gearbench_models::scene::Scene;
-use gearbench_models::spec::{ContactSpec, Load, ModelSpec, Profile, Value};
+use gearbench_models::spec::{ContactSpec, Load, ModelSpec, Profile};
 use gearbench_tests::*;
 
 const FACE: f64 = 0.01;
@@ -81,7 +81,7 @@ fn hammered(models: &[ModelSpec; 2], contact: &ContactSpec, id: &str) -> (Vec<Bl
 }
 
 fn cut_off(model: &ModelSpec, share: f64) -> [ModelSpec; 2] {
-    let model = with(model.clone(), "vibration_cut_off", Value::Number(share));
+    let model = with(model.clone(), "vibration_cut_off", share);
     [model.clone(), model]
 }
 
@@ -230,11 +230,7 @@ fn the_vibration_cut_off_keeps_momentum() {
 #[test]
 fn shares_that_are_none_are_refused() {
     for share in [-0.1, 1.0, f64::NAN] {
-        let teeth = with(
-            movable(5.3e8, 4.8e-3, 60.0),
-            "vibration_cut_off",
-            Value::Number(share),
-        );
+        let teeth = with(movable(5.3e8, 4.8e-3, 60.0), "vibration_cut_off", share);
         let e = try_build(&hammer(100e-6), &[teeth, rigid()], &contact(5e10));
         let e = e.err().unwrap().to_string();
         assert!(

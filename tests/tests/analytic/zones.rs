@@ -155,13 +155,13 @@ fn movable_and_elastic_teeth_pass_the_ends_of_the_path_at_any_speed() {
                 ..TimePlan::new(t_end, Resolution::Tolerance(1e-6))
             };
             let o = run_from(&mut scene, s, "dopri5", &plan)
-                .unwrap(&format!("{} at {speed} rad/s", models[0].id));
+                .unwrap(&format!("{} at {speed} rad/s", models[0].id()));
             let pitches = speed.abs() * t_end / (std::f64::consts::TAU / 20.0);
             let most = 60.0 + 60.0 * pitches;
             assert!(
                 (o.work.events as f64) < most,
                 "{} at {speed} rad/s: {} events",
-                models[0].id,
+                models[0].id(),
                 o.work.events
             );
         }
@@ -191,14 +191,14 @@ fn hammering_in_the_backlash_keeps_the_energy() {
         assert!(
             flanks.iter().all(|&n| n >= 8),
             "{}: {flanks:?} events on the flanks",
-            model.id
+            model.id()
         );
         let o = run(&mut scene, "dopri5", Resolution::Tolerance(1e-9), 3e-3).unwrap("hammer");
         let e = o.ledger.end.total() / o.ledger.start.unwrap().total() - 1.0;
         assert!(
             e.abs() < 1e-6,
             "{}: energy changes by {e:.2e} over {} events",
-            model.id,
+            model.id(),
             work.events
         );
     }
@@ -234,14 +234,14 @@ fn without_events_a_run_converges_to_the_same_motion() {
         assert!(
             order > 1.7,
             "{}: order {order:.2} without events, errors {errors:?}",
-            model.id
+            model.id()
         );
         let o = run_at(Resolution::Tolerance(1e-8), false, "dopri5");
         let error = (o.state.v[0] - reference.state.v[0]).abs() / 20.0;
         assert!(
             error < 1e-4,
             "{}: dopri5 without events is off by {error:.2e}",
-            model.id
+            model.id()
         );
         let _ = effective_radius(&case_a(0.0).gears[0].body);
     }

@@ -6,8 +6,8 @@ use gearbench_integrators::{
 };
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{
-    ContactSpec, Load, ModelSpec, Modelling, Mount, Parameters, Passes, PointContact, Profile,
-    SceneSpec, SurfaceKind, Value, effective_radius,
+    ContactSpec, Load, ModelSpec, Modelling, Mount, Passes, PointContact, Profile, SceneSpec,
+    SurfaceKind, effective_radius,
 };
 use gearbench_reference::MODELS;
 use gearbench_reference::statics::LoadedPair;
@@ -26,13 +26,7 @@ pub(crate) fn meshed(id: &str, modes: Option<usize>) -> ModelSpec {
         ("width_elements", 1),
     ];
     let values = mesh.into_iter().chain(modes.map(|n| ("modes", n)));
-    let parameters: Parameters = values
-        .map(|(key, n)| (key.to_string(), Value::Number(n as f64)))
-        .collect();
-    ModelSpec {
-        id: id.into(),
-        parameters,
-    }
+    model_of(id, values)
 }
 
 pub(crate) fn modelling(model: &ModelSpec, surface: SurfaceKind) -> Modelling {
@@ -141,11 +135,7 @@ fn statics_are_those_of_full_finite_elements() {
         (SurfaceKind::Smooth, 6, [5e-4, 8e-3]),
     ] {
         let model = |id: &str, modes: Option<usize>| {
-            let model = with(
-                meshed(id, modes),
-                "flank_elements",
-                Value::Number(flank as f64),
-            );
+            let model = with(meshed(id, modes), "flank_elements", flank as f64);
             modelling(&model, surface)
         };
         let pair = |id: &str, modes: Option<usize>| {

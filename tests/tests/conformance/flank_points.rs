@@ -5,7 +5,7 @@ use gearbench_integrators::observers::ledger::Ledger;
 use gearbench_integrators::{Resolution, SecondOrderSystem, TimePlan, Work};
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{
-    ContactSpec, Load, ModelSpec, Parameters, Passes, PointContact, Profile, SurfaceKind, Value,
+    ContactSpec, Load, ModelSpec, Passes, PointContact, Profile, SurfaceKind,
 };
 use gearbench_tests::*;
 
@@ -17,12 +17,8 @@ fn nodal(condensed: bool) -> ModelSpec {
         ("columns", 2.0),
         ("stiffness_n_per_m", 1e8),
         ("mass_kg", 1e-5),
-        ("condensed", f64::from(u8::from(condensed))),
     ];
-    ModelSpec {
-        id: "nodal-test".into(),
-        parameters: Parameters::from(values.map(|(k, v)| (k.to_string(), Value::Number(v)))),
-    }
+    with(model_of("nodal-test", values), "condensed", condensed)
 }
 
 fn scene(points: PointContact, condensed: bool) -> Scene {
@@ -107,10 +103,7 @@ fn tips_leave_without_energy() {
     spec.gears[0].loads = vec![Load::Applied(Profile::Constant(20.0))];
     spec.gears[1].loads = vec![Load::Applied(Profile::Constant(30.0))];
     for (rows, passes) in [(21, Passes::First), (21, Passes::Both)] {
-        let model = ModelSpec {
-            id: "rigid-flanks-test".into(),
-            parameters: Parameters::from([("rows".to_string(), Value::Number(f64::from(rows)))]),
-        };
+        let model = model_of("rigid-flanks-test", [("rows", rows)]);
         let points = PointContact {
             passes,
             ..PointContact::new(1e14)

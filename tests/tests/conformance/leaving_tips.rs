@@ -7,7 +7,7 @@ use gearbench_integrators::{Outputs, Report, Resolution, TimePlan};
 use gearbench_models::geometry::{GearParams, Side};
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{
-    Load, ModelSpec, Passes, PointContact, Profile, SceneSpec, SurfaceKind, Value, mesh_layout,
+    Load, ModelSpec, Passes, PointContact, Profile, SceneSpec, SurfaceKind, mesh_layout,
 };
 use gearbench_models::stiffness::Material;
 use gearbench_reference::MODELS;
@@ -89,7 +89,7 @@ fn impacts_of_finite_elements_keep_their_energy() {
 #[test]
 #[ignore = "ten minutes: cargo test --release -p gearbench-tests --test conformance -- whole_path --include-ignored --nocapture"]
 fn impacts_along_the_whole_path_keep_their_energy() {
-    let model = with(meshed("fe", None), "flank_elements", Value::Number(8.0));
+    let model = with(meshed("fe", None), "flank_elements", 8.0);
     let steps = [1e-6, 5e-7, 2.5e-7, 1.25e-7, 6.25e-8];
     for place in [0.10, 0.20, 0.30, 0.40, 0.50, 0.60, 0.65, 0.70, 0.80, 0.90] {
         let found = residuals(&model, place, &steps);
@@ -179,7 +179,7 @@ fn soft_gears() -> SceneSpec {
 fn elastic_gears_that_overlap_deeply_keep_their_energy_at_tips() {
     let mut model = meshed("elastic", Some(0));
     for (key, elements) in [("flank_elements", 12.0), ("across_elements", 5.0)] {
-        model = with(model, key, Value::Number(elements));
+        model = with(model, key, elements);
     }
     for passes in [Passes::First, Passes::Second, Passes::Both] {
         let mut modelling = modelling(&model, SurfaceKind::Smooth);

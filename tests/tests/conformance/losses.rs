@@ -9,8 +9,8 @@ use gearbench_integrators::{
 use gearbench_models::law::{Damping, Friction, FrictionForm};
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{
-    ContactSpec, FlankContact, Load, ModelSpec, Modelling, Mount, Parameters, PointContact,
-    Profile, SceneSpec, Value, effective_radius, mesh_layout,
+    ContactSpec, FlankContact, Load, ModelSpec, Modelling, Mount, PointContact, Profile, SceneSpec,
+    effective_radius, mesh_layout,
 };
 use gearbench_reference::MODELS;
 use gearbench_tests::*;
@@ -52,12 +52,7 @@ fn elastic(modes: usize) -> ModelSpec {
         ("width_elements", 1),
         ("modes", modes),
     ];
-    let parameters = mesh.map(|(key, n)| (key.to_string(), Value::Number(n as f64)));
-    let model = ModelSpec {
-        id: "elastic".into(),
-        parameters: Parameters::from(parameters),
-    };
-    with(model, "damping_ratio", Value::Number(0.02))
+    with(model_of("elastic", mesh), "damping_ratio", 0.02)
 }
 
 fn scene_of(spec: &SceneSpec, model: &ModelSpec, contact: &ContactSpec) -> Scene {
@@ -209,26 +204,26 @@ fn losses_are_those_of_the_quasi_static_integral_and_of_the_loss_factor() {
         let flips = f64::from(with.losses.flips) / 2.0;
         println!(
             "{}: {flips} flips a mesh cycle; {loss:.3} W, quasi-static {integral:.3} W, mu H_v P {by_factor:.3} W; damping {:.3} W; ledger open by {residual:.1e}",
-            model.id,
+            model.id(),
             without.losses.power()
         );
         assert!(
             (loss / integral - 1.0).abs() < 0.01,
             "{}: {loss} {integral}",
-            model.id
+            model.id()
         );
         assert!(
             (loss / by_factor - 1.0).abs() < 0.05,
             "{}: {loss} {by_factor}",
-            model.id
+            model.id()
         );
         // Each pair once, at its pitch point.
         assert!(
             flips <= 1.5,
             "{}: friction chatters, {flips} flips",
-            model.id
+            model.id()
         );
-        assert!(residual.abs() < 1e-3, "{}: {residual}", model.id);
+        assert!(residual.abs() < 1e-3, "{}: {residual}", model.id());
     }
 }
 
@@ -305,12 +300,12 @@ fn friction_holds_what_sticks_and_lets_go_beyond() {
         let (held, crept, slid) = (drift(stick, 0.5), drift(creep, 0.5), drift(stick, 3.0));
         println!(
             "{} by {id}: {held:.1e} rad held, {crept:.1e} crept, {slid:.1e} slid",
-            model.id
+            model.id()
         );
         assert!(
             held < 0.05 * crept && held < 3e-4 && crept < 0.5 * slid,
             "{} by {id}",
-            model.id
+            model.id()
         );
     }
 }
@@ -318,11 +313,9 @@ fn friction_holds_what_sticks_and_lets_go_beyond() {
 /// The Newton correction of finite elements that rub solves the equation that their tangent makes.
 #[test]
 fn finite_elements_that_rub_have_their_correction() {
-    let mut model = elastic(0);
-    model.id = "fe".into();
-    for key in ["modes", "damping_ratio"] {
-        model.parameters.remove(key);
-    }
+    let of_mesh = elastic(0).values().into_iter();
+    let of_mesh = of_mesh.filter(|(key, _)| !["modes", "damping_ratio"].contains(&key.as_str()));
+    let model = model_of("fe", of_mesh);
     for (friction, ratio) in [(0.0, 0.0), (0.3, 0.0), (0.3, 0.05)] {
         let friction = (friction > 0.0).then(|| Friction::new(friction, 0.5).unwrap());
         let mut spec = driven();
@@ -382,14 +375,14 @@ fn friction_does_not_chatter_for_a_quarter_of_a_second() {
         let residual = run.ledger.residual() / run.ledger.dissipated;
         println!(
             "{}: {flips:.2} flips a mesh cycle, {loss:.2} W with damping, quasi-static {integral:.2} W, ledger open by {residual:.1e}",
-            model.id
+            model.id()
         );
-        assert!(flips <= 1.1, "{}: {flips} flips", model.id);
+        assert!(flips <= 1.1, "{}: {flips} flips", model.id());
         assert!(
             (loss / integral - 1.0).abs() < 0.03,
             "{}: {loss} {integral}",
-            model.id
+            model.id()
         );
-        assert!(residual.abs() < 3e-3, "{}: {residual}", model.id);
+        assert!(residual.abs() < 3e-3, "{}: {residual}", model.id());
     }
 }

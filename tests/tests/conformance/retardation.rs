@@ -4,9 +4,7 @@
 use gearbench_integrators::observers::ledger::Ledger;
 use gearbench_integrators::{Coeffs, Outputs, Report, Resolution, SecondOrderSystem, TimePlan};
 use gearbench_models::scene::Scene;
-use gearbench_models::spec::{
-    ContactSpec, FlankContact, ModelSpec, Parameters, PointContact, Value,
-};
+use gearbench_models::spec::{ContactSpec, FlankContact, ModelSpec, PointContact};
 use gearbench_reference::MODELS;
 use gearbench_tests::*;
 
@@ -15,18 +13,13 @@ const BETA: f64 = 1.2e-6;
 
 fn model(id: &str, beta: f64) -> ModelSpec {
     let mesh = ["flank", "fillet", "across", "rim", "width"].map(|part| {
-        let elements = if part == "width" { 1.0 } else { 4.0 };
-        (format!("{part}_elements"), Value::Number(elements))
+        let elements = if part == "width" { 1 } else { 4 };
+        (format!("{part}_elements"), elements)
     });
-    let mut parameters = Parameters::from(mesh);
-    parameters.insert("rayleigh".into(), Value::List(vec![0.0, beta]));
-    if id == "elastic" {
-        parameters.insert("modes".into(), Value::Number(30.0));
-        parameters.insert("spin_terms".into(), Value::Text("none".into()));
-    }
-    ModelSpec {
-        id: id.into(),
-        parameters,
+    let model = with(model_of(id, mesh), "rayleigh", vec![0.0, beta]);
+    match id {
+        "elastic" => with(with(model, "modes", 30), "spin_terms", "none"),
+        _ => model,
     }
 }
 

@@ -15,11 +15,12 @@ use gearbench_integrators::observers::Tee;
 use gearbench_integrators::observers::ledger::Ledger;
 use gearbench_integrators::{Resolution, Scheme, TimePlan};
 use gearbench_models::scene::Scene;
-use gearbench_models::spec::{Modelling, Value};
+use gearbench_models::spec::Modelling;
 use gearbench_reference::ExternalReference;
 use gearbench_reports::metrics;
 use gearbench_reports::record::Run;
 use gearbench_tests::{Impulse, slope, watched};
+use serde_json::Value;
 
 type Case = (SceneFile, ExternalReference);
 
@@ -29,7 +30,7 @@ type ParameterOverrides<'a> = &'a [(&'a str, Value)];
 fn change(modelling: &mut Modelling, other: ParameterOverrides<'_>) {
     for gear in &mut modelling.gears {
         for (key, value) in other {
-            gear.parameters.insert((*key).into(), value.clone());
+            gear.set(key, value.clone()).unwrap();
         }
     }
 }
@@ -81,7 +82,7 @@ fn errors(what: &str, run: &Run, of: &Run) -> [f64; 3] {
 fn few_modes_with_residual_compliance_are_full_finite_elements() {
     let case = load("spur_impact", "fe,elastic,elastic-truncated");
     let full = run(&case, "fe", &[], Some(("newmark", 1e-7)));
-    let modes = |n: f64| ("modes", Value::Number(n));
+    let modes = |n: f64| ("modes", Value::from(n));
     let mut of_modes = Vec::new();
     for (n, limits) in [
         (50.0, [0.011, 6e-4, 0.01]),
@@ -128,7 +129,7 @@ fn few_modes_on_half_spaces_are_full_finite_elements_on_half_spaces() {
     // Of second order: the finer one is off by a third of this.
     assert!(step < 1.5e-3, "{step:.2e}");
     for (n, limits) in [(100.0, [4.5e-3, 2e-4, 3e-3]), (200.0, [3e-3, 2e-4, 2e-3])] {
-        let modes = ("modes", Value::Number(n));
+        let modes = ("modes", Value::from(n));
         let found = run(&case, "elastic-half-space", &[modes], None);
         let what = format!("{n} modes on half-spaces");
         let e = errors(&what, &found, &fine);

@@ -13,7 +13,7 @@ use gearbench_integrators::observers::Tee;
 use gearbench_integrators::system::{Outputs, SecondOrderSystem};
 use gearbench_integrators::{AcceptedStep, Control, Resolution, Sink, TimePlan};
 use gearbench_models::scene::Scene;
-use gearbench_models::spec::{PointRule, Value};
+use gearbench_models::spec::PointRule;
 use gearbench_reference::{ExternalReference, reference};
 use gearbench_reports::record::Run;
 use gearbench_tests::{Impulse, watched};
@@ -136,9 +136,8 @@ fn on_coarse_flanks_the_integration_of_the_contact_decides() {
     scene.duration = 1.3e-4;
     for model in &mut scene.models {
         for gear in &mut model.modelling.gears {
-            if gear.id == "fe" {
-                let mesh = Value::Text("calculix/case-a-coarse".into());
-                gear.parameters.insert("mesh".into(), mesh);
+            if gear.id() == "fe" {
+                gear.set("mesh", "calculix/case-a-coarse").unwrap();
             }
         }
     }

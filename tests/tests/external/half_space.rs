@@ -9,9 +9,10 @@ use gearbench::experiment::conditions::Conditions;
 use gearbench::experiment::runner::Runner;
 use gearbench::studies::compare::{Plan, YardstickChoice, compare};
 use gearbench_integrators::{Resolution, Scheme};
-use gearbench_models::spec::{FlankContact, Value};
+use gearbench_models::spec::FlankContact;
 use gearbench_reference::reference;
 use gearbench_reports::record::Metrics;
+use serde_json::Value;
 
 /// Parameters of the gears in addition to those of the scene.
 type ParameterOverrides<'a> = &'a [(&'a str, Value)];
@@ -37,7 +38,7 @@ fn errors(what: &str, other: ParameterOverrides<'_>, half_spaces: bool) -> Metri
     let modelling = &mut plan.entries[0].modelling;
     for gear in &mut modelling.gears {
         for (key, value) in other {
-            gear.parameters.insert((*key).into(), value.clone());
+            gear.set(key, value.clone()).unwrap();
         }
     }
     if half_spaces {
@@ -61,11 +62,11 @@ fn errors(what: &str, other: ParameterOverrides<'_>, half_spaces: bool) -> Metri
 
 #[test]
 fn half_spaces_of_coarse_meshes_beside_a_mesh_that_resolves_the_contact() {
-    let text = |x: &str| Value::Text(x.into());
+    let text = |x: &str| Value::from(x);
     let generated = |n: f64| {
         [
             ("mesh", text("generated")),
-            ("flank_elements", Value::Number(n)),
+            ("flank_elements", Value::from(n)),
         ]
     };
     for n in [8.0, 12.0] {

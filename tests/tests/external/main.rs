@@ -190,7 +190,8 @@ fn identification_finds_the_stored_rigid_calibration_again() {
             &choice.model,
             &mut spec,
             &mut modelling,
-        );
+        )
+        .unwrap();
         let mut built = gearbench_models::scene::Scene::build(&spec, &modelling, MODELS).unwrap();
         let force = gearbench::experiment::run::history_on_grid(
             &Context::default(),

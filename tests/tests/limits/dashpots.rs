@@ -3,13 +3,12 @@
 
 use super::{entry, hold, with_modes};
 use gearbench::experiment::configuration::Configuration;
-use gearbench_models::spec::Value;
 
 /// Returns elastic gears of few modes with dashpots [N s/m^3], and modes damped by a ratio.
 fn damped(dashpots: f64, ratio: f64) -> Configuration {
     let mut entry = with_modes(entry("spur_impact", "elastic"), 10);
     for gear in &mut entry.modelling.gears {
-        (gear.parameters).insert("damping_ratio".into(), Value::Number(ratio));
+        gear.set("damping_ratio", ratio).unwrap();
     }
     for contact in &mut entry.modelling.contacts {
         if let Some(points) = contact.flanks.points_mut() {

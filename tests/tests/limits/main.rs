@@ -9,7 +9,6 @@ use gearbench::models::models;
 use gearbench::scene_file::{Selection, load_for};
 use gearbench::studies::stability::limits::table::{Case, StepLimit, table};
 use gearbench_integrators::MethodSpec;
-use gearbench_models::spec::Value;
 
 mod dashpots;
 mod in_the_scene;
@@ -23,8 +22,7 @@ fn entry(scene: &str, label: &str) -> Configuration {
 
 fn with_modes(mut entry: Configuration, modes: u32) -> Configuration {
     for gear in &mut entry.modelling.gears {
-        let value = Value::Number(f64::from(modes));
-        gear.parameters.insert("modes".into(), value);
+        gear.set("modes", modes).unwrap();
     }
     entry.label = format!("{}, {modes} modes", entry.label);
     entry

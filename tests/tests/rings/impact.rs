@@ -30,7 +30,7 @@ fn run(scene: &SceneFile, label: &str, modes: Option<f64>) -> Run {
     };
     for gear in &mut plan.entries[0].modelling.gears {
         if let Some(n) = modes {
-            gear.parameters.insert("modes".into(), Value::Number(n));
+            gear.set("modes", n).unwrap();
         }
     }
     compare(&plan, &Runner::default()).unwrap().runs.remove(0)

@@ -15,10 +15,10 @@ use gearbench_integrators::{Outputs, Report, SecondOrderSystem, State};
 use gearbench_models::geometry::{GearParams, Internal, Side};
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{
-    ContactSpec, FlankContact, GearSpec, ModelSpec, Modelling, Parameters, PointContact, SceneSpec,
-    Value, signed_effective_radius,
+    ContactSpec, FlankContact, GearSpec, ModelSpec, Modelling, PointContact, SceneSpec,
+    signed_effective_radius,
 };
-use gearbench_tests::{contact, gear, pair_of, spur, start};
+use gearbench_tests::{contact, gear, model_of, pair_of, spur, start};
 
 /// Centre distance of the pair [m].
 const DISTANCE: f64 = 0.078;
@@ -73,12 +73,7 @@ fn exchanged(mut spec: SceneSpec) -> SceneSpec {
 fn meshed(id: &str, [flank, width]: [f64; 2], further: &[(&str, f64)]) -> ModelSpec {
     let counts = [("flank_elements", flank), ("width_elements", width)];
     let all = counts.iter().chain(further);
-    ModelSpec {
-        id: id.into(),
-        parameters: all
-            .map(|(key, x)| ((*key).to_string(), Value::Number(*x)))
-            .collect::<Parameters>(),
-    }
+    model_of(id, all.copied())
 }
 
 fn elastic(elements: [f64; 2], modes: f64) -> ModelSpec {

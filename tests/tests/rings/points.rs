@@ -8,13 +8,7 @@ use gearbench_tests::{build, candidates, rigid};
 use std::f64::consts::TAU;
 
 fn flanked(rows: f64, columns: f64) -> ModelSpec {
-    let counts = [("rows", rows), ("columns", columns)];
-    ModelSpec {
-        id: "rigid-flanks-test".into(),
-        parameters: (counts.iter())
-            .map(|(key, x)| ((*key).to_string(), Value::Number(*x)))
-            .collect(),
-    }
+    model_of("rigid-flanks-test", [("rows", rows), ("columns", columns)])
 }
 
 /// Returns the distance of a point from the exact involute helicoid of the tooth of gear `k` [m].

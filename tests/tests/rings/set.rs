@@ -231,9 +231,9 @@ fn full_finite_elements_on_a_carrier_are_refused() {
     let spec = set();
     let fe = meshed("fe", [2.0, 1.0], &[]);
     let coarse = ["fillet", "across", "rim"];
-    let fe = coarse.iter().fold(fe, |m, key| {
-        with(m, &format!("{key}_elements"), Value::Number(3.0))
-    });
+    let fe = coarse
+        .iter()
+        .fold(fe, |m, key| with(m, &format!("{key}_elements"), 3.0));
     let points = touching(PointContact::new(1e15), None);
     let modelling = modelling(&spec, &fe, &points);
     let refused = Scene::build(&spec, &modelling, gearbench::models::models());

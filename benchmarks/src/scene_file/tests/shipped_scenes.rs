@@ -6,7 +6,6 @@ use crate::scene_file::{
     CalibrationUse, Origin, SHIPPED, SceneFile, Selection, load, load_uncalibrated,
 };
 use gearbench_models::geometry::{Pair, Side};
-use gearbench_models::spec::Value;
 use gearbench_models::stiffness::PairStiffness;
 use std::path::Path;
 
@@ -163,7 +162,7 @@ fn calibrations_are_applied() {
     );
     let movable = scene.model("movable-teeth").unwrap();
     for gear in &movable.modelling.gears {
-        assert!(matches!(gear.parameters["tooth_stiffness_n_per_m"], Value::Number(k) if k > 1e8));
+        assert!(gear.values()["tooth_stiffness_n_per_m"].as_f64() > Some(1e8));
     }
     // Nothing fitted stays as it is.
     let iso = scene.model("rigid-iso6336").unwrap();
@@ -210,12 +209,7 @@ fn the_rotating_pair_is_free_and_has_the_published_stiffnesses() {
     assert!(scene.spec.gears.iter().all(|g| g.loads.is_empty()));
     let stiffness = |label: &str| {
         let gears = &scene.model(label).unwrap().modelling.gears;
-        gears.clone().into_iter().map(|mut g| {
-            match g.parameters.remove("tooth_stiffness_n_per_m") {
-                Some(Value::Number(k)) => k,
-                other => panic!("{other:?}"),
-            }
-        })
+        (gears.iter()).map(|g| g.values()["tooth_stiffness_n_per_m"].as_f64().unwrap())
     };
     for (label, published) in [
         ("movable-teeth-5.6e7", 5.6e7),

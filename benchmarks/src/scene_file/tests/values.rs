@@ -169,11 +169,8 @@ fn models_per_gear() {
         "gears = { wheel = \"rigid\" }\nparameters = {",
     );
     let gears = &scene.models[1].modelling.gears;
-    assert_eq!(
-        [gears[0].id.as_str(), gears[1].id.as_str()],
-        ["movable-teeth", "rigid"]
-    );
-    assert!(gears[1].parameters.is_empty() && gears[0].parameters.len() == 2);
+    assert_eq!([gears[0].id(), gears[1].id()], ["movable-teeth", "rigid"]);
+    assert!(gears[1].values().is_empty() && gears[0].values().len() == 2);
 }
 
 #[test]

@@ -4,7 +4,7 @@
 use super::detail::Detail;
 use gearbench_models::gear::movable_teeth::MovableTeethParameters;
 use gearbench_models::gear::parameters::ModelParameters;
-use gearbench_models::gear::rigid;
+use gearbench_models::gear::rigid::RigidParameters;
 use gearbench_reference::reduction::ElasticParameters;
 
 /// Origin of the mesh stiffness of rigid gears.
@@ -58,7 +58,7 @@ impl Level {
     /// Returns the model family for charts: the gear model, or `quasi-static`.
     pub fn family(&self) -> &'static str {
         match self {
-            Level::Rigid(_) => rigid::MODEL,
+            Level::Rigid(_) => RigidParameters::MODEL,
             Level::MovableTeeth(_) => MovableTeethParameters::MODEL,
             Level::QuasiStatic(_) => "quasi-static",
             Level::Elastic { .. } => ElasticParameters::MODEL,

@@ -97,7 +97,7 @@ impl Problem {
         let elastic = file.models.iter().find(|m| is_elastic(m));
         let own: Vec<ModelWithConstants> = (file.models.iter())
             .filter(|m| file.properties_of(&m.model).fit.is_some())
-            .filter(|m| m.modelling.gears.iter().all(|g| g.id == m.model))
+            .filter(|m| m.modelling.gears.iter().all(|g| g.id() == m.model))
             .map(|m| ModelWithConstants {
                 label: m.label.clone(),
                 rigid: file.properties_of(&m.model).rigid,
@@ -117,7 +117,7 @@ impl Problem {
                         choose: None,
                         residual: None,
                         step_s: None,
-                        ..p
+                        ..p.clone()
                     })
                     .collect(),
                 contacts: m.modelling.contacts.clone(),

@@ -91,7 +91,7 @@ impl<'a> WindowModel<'a> {
             modelling,
             problem,
             rigid: (modelling.gears.iter())
-                .all(|g| properties_of(&problem.context.models, &g.id).rigid),
+                .all(|g| properties_of(&problem.context.models, g.id()).rigid),
             scene,
             setup: Duration::from_secs_f64(setup_s),
         })

@@ -106,7 +106,7 @@ impl YardstickChoice {
 /// Returns the label of the most detailed model; `None` where all are equally detailed.
 pub fn most_detailed(models: &[Model], entries: &[Configuration]) -> Option<String> {
     let kind = |e: &Configuration| {
-        let of_gear = |g: &ModelSpec| match properties_of(models, &g.id) {
+        let of_gear = |g: &ModelSpec| match properties_of(models, g.id()) {
             p if p.full_order => 3,
             p if p.modes => 2,
             p if !p.rigid => 1,

@@ -19,7 +19,7 @@ use crate::scene_file::calibration::{CURVATURE, DAMPING, GAP, SLOPE, STIFFNESS, 
 use crate::scene_file::changes::{KeyPath, numbers_at};
 use gearbench_models::gear::properties::{Fit, Start};
 use gearbench_models::gear::table::{Model, properties_of};
-use gearbench_models::spec::{FlankContact, Modelling, SceneSpec, Value};
+use gearbench_models::spec::{FlankContact, Modelling, SceneSpec};
 use gearbench_models::stiffness::PairStiffness;
 
 /// Key of the clock offset of a data set.
@@ -231,7 +231,7 @@ pub fn choose(
     data: &[DataSet],
     wishes: &FitOptions,
 ) -> Result<FitParameters, IdentifyError> {
-    let id = modelling.gears.first().map_or("", |g| g.id.as_str());
+    let id = modelling.gears.first().map_or("", |g| g.id());
     let of_scene_alone = (wishes.fit.as_ref())
         .is_some_and(|keys| keys.iter().all(|k| k == CLOCK || path_of(k).is_some()));
     let recipe = (properties_of(models, id).fit).or(of_scene_alone.then_some(NOTHING));
@@ -277,7 +277,7 @@ pub fn choose(
     }
     // Where gears start: the first that takes the model for all, each for itself.
     let starts_of = |name: Option<&str>| {
-        let takes = (spec.gears.iter().zip(&modelling.gears)).filter(|(_, m)| m.id == id);
+        let takes = (spec.gears.iter().zip(&modelling.gears)).filter(|(_, m)| m.id() == id);
         let mut takes = takes.map(|(gear, _)| gear);
         let gear = takes.find(|gear| name.is_none_or(|name| name == gear.name));
         gear.map_or_else(Vec::new, |gear| (recipe.starts)(PAIR, gear))
@@ -369,7 +369,7 @@ pub fn choose(
 
 /// Returns true if the gears or contacts of a model have a parameter with this key.
 pub fn has_key(key: &str, of: (&SceneSpec, &Modelling, &[Model])) -> bool {
-    let id = of.1.gears.first().map(|g| g.id.as_str());
+    let id = of.1.gears.first().map(|g| g.id());
     let model = of.2.iter().find(|m| Some(m.id) == id);
     model.is_some_and(|model| check(key, model, of).is_ok())
 }
@@ -392,7 +392,7 @@ fn check(
             false => Ok(()),
         };
     };
-    let takes = (spec.gears.iter().zip(&modelling.gears)).filter(|(_, m)| m.id == model.id);
+    let takes = (spec.gears.iter().zip(&modelling.gears)).filter(|(_, m)| m.id() == model.id);
     let takes: Vec<String> = takes.map(|(gear, _)| gear.name.clone()).collect();
     if of_model.is_empty() {
         return Err(IdentifyError::NothingOfGears(key.into(), model.id.into()));
@@ -415,7 +415,7 @@ fn has_path(spec: &SceneSpec, modelling: &Modelling, models: &[Model]) -> bool {
     let mut meshes = spec.meshes.iter().zip(&modelling.contacts);
     meshes.any(|(mesh, contact)| {
         let elastic = |&gear: &usize| {
-            let of = properties_of(models, &modelling.gears[gear].id);
+            let of = properties_of(models, modelling.gears[gear].id());
             of.modes || of.full_order
         };
         contact.flanks == FlankContact::Toothing || !mesh.gears.iter().any(elastic)
@@ -443,11 +443,8 @@ fn present(key: &str, spec: &SceneSpec, modelling: &Modelling, id: &str) -> Opti
         _ => {
             let (of, key) = of_gear(key);
             let mut gears = modelling.gears.iter().zip(&spec.gears);
-            let gear = gears.find(|(g, s)| g.id == id && of.is_none_or(|of| of == s.name))?;
-            match gear.0.parameters.get(key)? {
-                Value::Number(x) => Some(*x),
-                _ => None,
-            }
+            let gear = gears.find(|(g, s)| g.id() == id && of.is_none_or(|of| of == s.name))?;
+            gear.0.values().get(key)?.as_f64()
         }
     }
 }

@@ -401,14 +401,23 @@ impl IdentifyError {
 }
 
 /// Applies constants to a scene and its models, as a calibration with the same constants does.
-pub fn apply(constants: &Constants, model: &str, spec: &mut SceneSpec, modelling: &mut Modelling) {
+///
+/// # Errors
+/// A parameter that the model does not have.
+pub fn apply(
+    constants: &Constants,
+    model: &str,
+    spec: &mut SceneSpec,
+    modelling: &mut Modelling,
+) -> Result<(), BuildError> {
     let names: Vec<&str> = spec.gears.iter().map(|g| g.name.as_str()).collect();
-    constants.apply(model, &names, modelling);
+    constants.apply(model, &names, modelling)?;
     if let Some(gap) = constants.gap {
         for m in &mut spec.meshes {
             m.start.gap = gap;
         }
     }
+    Ok(())
 }
 
 #[cfg(test)]
@@ -430,8 +439,9 @@ mod tests {
         };
         let (mut fitted, mut spec) = (modelling.clone(), scene.spec.clone());
         let values = Constants::of([(STIFFNESS, 2e10), (GAP, 3e-6)]);
-        apply(&values, "rigid", &mut spec, &mut fitted);
-        values.apply("rigid", &["pinion", "wheel"], &mut modelling);
+        apply(&values, "rigid", &mut spec, &mut fitted).unwrap();
+        let names = ["pinion", "wheel"];
+        values.apply("rigid", &names, &mut modelling).unwrap();
         let expected = PairStiffness::Constant {
             per_width: 2e10,
             of: PairOrMesh::Mesh,

@@ -40,8 +40,8 @@ pub fn modelled(
     clock: f64,
 ) -> Result<Vec<f64>, IdentifyError> {
     let (mut spec, mut modelling) = (set.spec.clone(), plan.modelling.clone());
-    let model = plan.modelling.gears.first().map_or("", |g| g.id.as_str());
-    apply(constants, model, &mut spec, &mut modelling);
+    let model = plan.modelling.gears.first().map_or("", |g| g.id());
+    apply(constants, model, &mut spec, &mut modelling)?;
     if constants.gap.is_some() {
         (spec.meshes.iter_mut()).for_each(|m| m.start.gap += set.further_gap);
     }
@@ -307,7 +307,10 @@ pub fn histories(
         let scene = changed.as_ref().unwrap_or(scene);
         let choice = scene.model(&choice.label).unwrap_or(choice);
         let (mut spec, mut modelling) = (scene.spec_for(choice), choice.modelling.clone());
-        apply(&constants, &choice.model, &mut spec, &mut modelling);
+        if let Err(why) = apply(&constants, &choice.model, &mut spec, &mut modelling) {
+            all.push(Err(why.to_string()));
+            continue;
+        }
         let job = Job {
             max_steps: MAX_STEPS,
             ..conditions.job((&spec, &modelling), &method, &grid)

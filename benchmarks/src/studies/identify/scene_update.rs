@@ -106,18 +106,18 @@ fn written(scene: &SceneFile, all: &[FittedConstants<'_>]) -> Result<String, Ref
     for w in all() {
         let found = read.model(&w.choice.label);
         let found = found.map(|c| format!("{:?}{:?}", read.spec_for(c), c.modelling));
-        if found != Some(fitted(scene, w)) {
+        if found != fitted(scene, w) {
             return Err(unseen(&w.choice.label));
         }
     }
     Ok(text)
 }
 
-/// Returns the fitted model as text with all digits, for comparison.
-fn fitted(scene: &SceneFile, w: &FittedConstants<'_>) -> String {
+/// Returns the fitted model as text with all digits, for comparison; `None` for a constant that it does not have.
+fn fitted(scene: &SceneFile, w: &FittedConstants<'_>) -> Option<String> {
     let (mut spec, mut modelling) = (scene.spec_for(w.choice), w.choice.modelling.clone());
-    apply(&w.constants, &w.choice.model, &mut spec, &mut modelling);
-    format!("{spec:?}{modelling:?}")
+    apply(&w.constants, &w.choice.model, &mut spec, &mut modelling).ok()?;
+    Some(format!("{spec:?}{modelling:?}"))
 }
 
 /// Writes constants into the entry of a model; `None` if the form of the entry is not supported.
@@ -173,7 +173,7 @@ fn change(model: &mut dyn TableLike, scene: &SceneFile, w: &FittedConstants<'_>)
     }
     model.remove("calibration");
     let (mut spec, mut modelling) = (scene.spec_for(w.choice), w.choice.modelling.clone());
-    apply(&w.constants, &w.choice.model, &mut spec, &mut modelling);
+    apply(&w.constants, &w.choice.model, &mut spec, &mut modelling).ok()?;
 
     let contact = model.get_mut("contact")?;
     let course = [w.constants.slope, w.constants.curvature];
@@ -232,7 +232,7 @@ fn parameters(model: &mut dyn TableLike, scene: &SceneFile, w: &FittedConstants<
         let gears = model.get("gears").and_then(Item::as_table_like);
         let entry = gears.and_then(|g| g.get(&gear.name));
         let has_own = entry.is_some_and(Item::is_table_like);
-        if spec.id != w.choice.model || (own.is_empty() && !has_own) {
+        if spec.id() != w.choice.model || (own.is_empty() && !has_own) {
             continue;
         }
         let gears = inner(model, "gears")?;

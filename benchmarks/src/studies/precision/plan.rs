@@ -271,10 +271,8 @@ fn from_command_line(
 fn counted(choice: &ModelChoice) -> Option<usize> {
     let gears = choice.modelling.gears.iter();
     let elastic: Vec<_> = gears.filter_map(ElasticParameters::of).collect();
-    let kept = elastic.iter().all(ElasticParameters::keeps_residual);
-    let modes = (elastic.iter())
-        .filter_map(ElasticParameters::most_modes)
-        .next_back();
+    let kept = elastic.iter().all(|p| p.keeps_residual());
+    let modes = (elastic.iter()).filter_map(|p| p.most_modes()).next_back();
     (kept && !elastic.is_empty()).then(|| modes.unwrap_or(ElasticParameters::MODES))
 }
 

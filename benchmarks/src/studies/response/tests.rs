@@ -12,7 +12,6 @@ use crate::scene_file::{Origin, SHIPPED, SceneFile};
 use crate::studies::sweep;
 use crate::studies::test_scene::waves;
 use gearbench_integrators::Scheme;
-use gearbench_models::spec::Value;
 use gearbench_reports::record::Steady;
 use gearbench_reports::response::{GroupResponse, ResponsePoint};
 use gearbench_reports::sweep::Branch;
@@ -194,7 +193,7 @@ fn damped_static_compliance_replaces_the_modes_that_were_cut() {
     let with = |modes: f64| {
         let mut entry = Configuration::of(&scene, scene.model("elastic").unwrap());
         for gear in &mut entry.modelling.gears {
-            (gear.parameters).insert("modes".into(), Value::Number(modes));
+            gear.set("modes", modes).unwrap();
         }
         let choice = scene.model("elastic").unwrap();
         let method = choice.integrators.as_ref().unwrap()[0];

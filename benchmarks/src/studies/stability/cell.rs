@@ -81,7 +81,7 @@ fn error(row: &Run, against: &TimeSeries, tolerance: &Tolerance) -> Option<f64> 
 pub fn reference(plan: &Plan, map: &MapPlan, setup: &Setup) -> Result<Reference, RunError> {
     let any = |has: fn(Properties) -> bool| {
         let mut gears = setup.modelling.gears.iter();
-        gears.any(|g| has(properties_of(&plan.conditions.context.models, &g.id)))
+        gears.any(|g| has(properties_of(&plan.conditions.context.models, g.id())))
     };
     let mut why = String::new();
     let tried: &[[(MethodSpec, f64); 2]] = if any(|p| p.full_order) {

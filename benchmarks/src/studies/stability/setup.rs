@@ -69,7 +69,11 @@ impl Axis {
             }
             Axis::ToothStiffness => match gears.iter().find_map(MovableTeethParameters::of) {
                 None => without("its teeth have no springs"),
-                Some(p) => match p.tooth_stiffness_n_per_m.and_then(|k| k.common()) {
+                Some(p) => match p
+                    .tooth_stiffness_n_per_m
+                    .as_ref()
+                    .and_then(PerTooth::common)
+                {
                     Some(k) => Ok(k),
                     None => without("its teeth have stiffnesses of their own"),
                 },
@@ -80,7 +84,7 @@ impl Axis {
                 }
                 p => Ok(p.and_then(|p| p.damping_ratio).unwrap_or(0.0)),
             },
-            Axis::Damping if gears.iter().any(|g| g.id == FullOrderParameters::MODEL) => {
+            Axis::Damping if gears.iter().any(|g| g.id() == FullOrderParameters::MODEL) => {
                 without("full finite elements have no damping ratio")
             }
             Axis::Damping => {
@@ -123,7 +127,7 @@ impl Axis {
             modelling,
             method,
         } = setup;
-        let with_modes = (modelling.gears.iter()).any(|g| g.id == ElasticParameters::MODEL);
+        let with_modes = (modelling.gears.iter()).any(|g| g.id() == ElasticParameters::MODEL);
         match self {
             Axis::ContactStiffness => return stiffen(value, scene, modelling),
             Axis::ToothStiffness => MovableTeethParameters::change(modelling, |p| {

@@ -106,7 +106,7 @@ pub fn iso_values(spec: &SceneSpec) -> Option<[f64; 2]> {
 
 /// Describes the compliances that the stiffness of a modelling includes.
 pub fn includes(modelling: &Modelling, models: &[Model]) -> String {
-    let properties = (modelling.gears.iter()).map(|g| properties_of(models, &g.id));
+    let properties = (modelling.gears.iter()).map(|g| properties_of(models, g.id()));
     let all_rigid = properties.clone().all(|p| p.rigid);
     let Some(contact) = modelling.contacts.first() else {
         return String::new();

@@ -244,7 +244,7 @@ pub(super) fn sides<'s>(
 /// True if an elastic and a full model have the same mesh of each gear and the same contact at their flanks.
 fn differ_in_modes_alone(elastic: &Modelling, full: &Modelling) -> bool {
     let same_mesh = |(e, f): (&ModelSpec, &ModelSpec)| {
-        ElasticParameters::of(e).map(|p| p.mesh) == FullOrderParameters::of(f).map(|p| p.mesh)
+        ElasticParameters::of(e).map(|p| &p.mesh) == FullOrderParameters::of(f).map(|p| &p.mesh)
     };
     let contacts = elastic.contacts.iter().zip(&full.contacts);
     elastic.gears.iter().zip(&full.gears).all(same_mesh)

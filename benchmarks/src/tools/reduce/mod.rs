@@ -19,7 +19,7 @@ use gearbench_models::gear::parameters::ModelParameters;
 use gearbench_models::gear::table::GearContext;
 use gearbench_models::kinematics::{Hub, Placement};
 use gearbench_models::scene::hub_of;
-use gearbench_models::spec::{Body, GearSpec, Parameters};
+use gearbench_models::spec::{Body, GearSpec, ModelSpec};
 use gearbench_models::stiffness::Material;
 use gearbench_reference::deck::{self, BodyShape, DeckGear};
 use gearbench_reference::mesh::GearMesh;
@@ -227,7 +227,7 @@ fn from_scene(context: &Context, args: &Arguments, input: &str) -> Result<Vec<Jo
         m.modelling
             .gears
             .iter()
-            .any(|g| g.id == ElasticParameters::MODEL)
+            .any(|g| g.id() == ElasticParameters::MODEL)
     });
     let model = match &args.model {
         None => elastic.next(),
@@ -238,18 +238,18 @@ fn from_scene(context: &Context, args: &Arguments, input: &str) -> Result<Vec<Jo
             )
         })?),
     };
-    let none = Parameters::new();
+    let none = ElasticParameters::default().spec();
     let gears: Vec<(usize, GearSpec)> = scene.spec.gears.into_iter().enumerate().collect();
     let gears = chosen(gears, args.gear.as_deref(), input, |g| g.1.name.clone())?;
     let jobs = gears.into_iter().filter_map(|(i, g)| {
         let own = model.map(|m| &m.modelling.gears[i]);
         // In a mixed configuration only the elastic gears have a mesh.
-        let parameters = match own {
-            Some(spec) if spec.id != ElasticParameters::MODEL => return None,
-            Some(spec) => &spec.parameters,
+        let own = match own {
+            Some(spec) if spec.id() != ElasticParameters::MODEL => return None,
+            Some(spec) => spec,
             None => &none,
         };
-        Some(of_scene(args, &scene.name, &g, parameters))
+        Some(of_scene(args, &scene.name, &g, own))
     });
     let jobs: Vec<Job> = jobs.collect::<Result<_, _>>()?;
     match jobs.is_empty() {
@@ -266,7 +266,7 @@ fn of_scene(
     args: &Arguments,
     scene: &str,
     g: &GearSpec,
-    parameters: &Parameters,
+    model: &ModelSpec,
 ) -> Result<Job, Refusal> {
     let rack = matches!(g.body, Body::Rack(_));
     let mut hub = Hub::new(g.mount.clone(), g.position.into(), rack.then(Vec3::y), 1.0);
@@ -286,14 +286,14 @@ fn of_scene(
         lines: None,
         speed: 0.0,
         time_of_first_teeth: f64::INFINITY,
-        parameters,
+        model,
     };
-    let given = ElasticParameters::read(parameters).map(|p| p.mesh);
-    let of = given
-        .and_then(|mesh| Ok((of_gear(ElasticParameters::MODEL, &context, &mesh)?, mesh)))
-        .map_err(of_scene)?;
-    let (of, given) = of;
-    let mesh = match given.mesh {
+    let given = &context
+        .parameters::<ElasticParameters>()
+        .map_err(of_scene)?
+        .mesh;
+    let of = of_gear(ElasticParameters::MODEL, &context, given).map_err(of_scene)?;
+    let mesh = match &given.mesh {
         Some(text) => format!("mesh {text}"),
         None => "generated mesh".to_owned(),
     };

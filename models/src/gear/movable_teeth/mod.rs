@@ -38,5 +38,5 @@ mod teeth;
 mod windows;
 
 pub use fit::FIT;
-pub use parameters::{Integrate, MovableTeethParameters, PARAMETERS, PerTooth, build};
+pub use parameters::{Integrate, MovableTeethParameters, PerTooth, build};
 pub use teeth::MovableTeeth;

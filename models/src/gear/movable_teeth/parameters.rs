@@ -2,18 +2,16 @@
 
 use super::springs::{RadiusStiffness, ToothSprings};
 use super::teeth::{MovableTeeth, ToothSelection};
+use crate::declare_parameters;
 use crate::error::BuildError;
 use crate::gear::hub_body::HubBody;
 use crate::gear::model::GearModel;
 use crate::gear::parameters::{ModelParameters, number};
-use crate::gear::row::{GearContext, ParameterInfo};
+use crate::gear::row::GearContext;
 use crate::spec::Body;
 use serde::de::{SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
 use std::fmt;
-
-/// Identifier of the model.
-const MODEL: &str = "movable-teeth";
 
 /// A number for all teeth, or one per tooth.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -94,71 +92,33 @@ pub enum Integrate {
     All,
 }
 
-/// Parameters of the model, described in [`PARAMETERS`].
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-#[expect(missing_docs, reason = "the keys of scenes, described in PARAMETERS")]
-pub struct MovableTeethParameters {
-    pub tooth_stiffness_n_per_m: Option<PerTooth>,
-    pub tooth_mass_kg: Option<PerTooth>,
-    pub tooth_damping_ns_per_m: Option<PerTooth>,
-    #[serde(deserialize_with = "number")]
-    pub spring_radius_m: Option<f64>,
-    pub stiffness_radius_m: Option<Vec<f64>>,
-    pub stiffness_at_radius_n_per_m: Option<Vec<f64>>,
-    pub integrate: Option<Integrate>,
-    #[serde(deserialize_with = "number")]
-    pub vibration_cut_off: Option<f64>,
+declare_parameters! {
+    /// Parameters of the model.
+    pub struct MovableTeethParameters model "movable-teeth" {
+        /// tangential spring k of a tooth on the radius r_d; a list gives one per tooth
+        tooth_stiffness_n_per_m: PerTooth,
+        /// mass m_t of a tooth; a list gives one per tooth
+        tooth_mass_kg: PerTooth,
+        /// damper c of a tooth on the radius r_d; a list gives one per tooth; default 0
+        tooth_damping_ns_per_m: PerTooth,
+        /// radius r_d of spring and damper; default the root (dedendum) radius
+        #[serde(deserialize_with = "number")]
+        spring_radius_m: f64,
+        /// contact radii of a table k(r), ascending; with stiffness_at_radius_n_per_m
+        stiffness_radius_m: Vec<f64>,
+        /// values of the table k(r); out of contact a tooth keeps the first
+        stiffness_at_radius_n_per_m: Vec<f64>,
+        /// "active" or "all": teeth near a mesh one by one and the rest in closed form (default), or all one by one
+        integrate: Integrate,
+        /// teeth are put to rest in flight below this share, at least 0 and less than 1, of the energy of the next impact; default 0: never
+        #[serde(deserialize_with = "number")]
+        vibration_cut_off: f64,
+    }
+    required(tooth_stiffness_n_per_m, tooth_mass_kg)
 }
 
-impl ModelParameters for MovableTeethParameters {
-    const MODEL: &'static str = MODEL;
-    const KEYS: &'static [ParameterInfo] = PARAMETERS;
-}
-
-/// Keys and descriptions of the parameters.
-pub const PARAMETERS: &[ParameterInfo] = &[
-    ParameterInfo {
-        key: "tooth_stiffness_n_per_m",
-        meaning: "tangential spring k of a tooth on the radius r_d; a list gives one per tooth",
-        required: true,
-    },
-    ParameterInfo {
-        key: "tooth_mass_kg",
-        meaning: "mass m_t of a tooth; a list gives one per tooth",
-        required: true,
-    },
-    ParameterInfo {
-        key: "tooth_damping_ns_per_m",
-        meaning: "damper c of a tooth on the radius r_d; a list gives one per tooth; default 0",
-        required: false,
-    },
-    ParameterInfo {
-        key: "spring_radius_m",
-        meaning: "radius r_d of spring and damper; default the root (dedendum) radius",
-        required: false,
-    },
-    ParameterInfo {
-        key: "stiffness_radius_m",
-        meaning: "contact radii of a table k(r), ascending; with stiffness_at_radius_n_per_m",
-        required: false,
-    },
-    ParameterInfo {
-        key: "stiffness_at_radius_n_per_m",
-        meaning: "values of the table k(r); out of contact a tooth keeps the first",
-        required: false,
-    },
-    ParameterInfo {
-        key: "integrate",
-        meaning: "\"active\" or \"all\": teeth near a mesh one by one and the rest in closed form (default), or all one by one",
-        required: false,
-    },
-    ParameterInfo {
-        key: "vibration_cut_off",
-        meaning: "teeth are put to rest in flight below this share, at least 0 and less than 1, of the energy of the next impact; default 0: never",
-        required: false,
-    },
-];
+/// Identifier of the model.
+const MODEL: &str = MovableTeethParameters::MODEL;
 
 fn positive(key: &str, x: &[f64], zero_allowed: bool) -> Result<(), BuildError> {
     let bad = x
@@ -190,7 +150,7 @@ pub fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError
         Body::Gear(g) => g.teeth() as usize,
         Body::Rack(r) => r.teeth() as usize,
     };
-    let given = MovableTeethParameters::read(context.parameters)?;
+    let given = context.parameters::<MovableTeethParameters>()?.clone();
     let per_tooth = |key: &str, value: Option<PerTooth>| match value {
         None => Ok(None),
         Some(PerTooth::All(x)) => Ok(Some(vec![x])),

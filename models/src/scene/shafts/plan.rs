@@ -10,7 +10,8 @@ use super::guides::Guided;
 use super::links::Origin;
 use crate::Vec3;
 use crate::error::{BuildError, GearPart};
-use crate::gear::rigid::{self, Rigid};
+use crate::gear::parameters::ModelParameters;
+use crate::gear::rigid::{Rigid, RigidParameters};
 use crate::gear::table::Model;
 use crate::kinematics::Hub;
 use crate::scene::hubs::{LateralBody, lateral_of, round_tensor};
@@ -61,7 +62,12 @@ impl ShaftBody {
     /// Returns the body as a member of a scene.
     pub fn member(&self) -> SceneGear {
         let model = Rigid::new(self.hub.clone(), self.radius);
-        SceneGear::new(&self.name, rigid::MODEL, Box::new(model), &self.loads)
+        SceneGear::new(
+            &self.name,
+            RigidParameters::MODEL,
+            Box::new(model),
+            &self.loads,
+        )
     }
 }
 

@@ -8,8 +8,9 @@ use crate::reduction::{Basis, ModeSelection, Mounting, Request};
 use crate::test_support::{self, counted};
 use gearbench_models::gear::elastic::inertia::Integrals;
 use gearbench_models::gear::elastic::reduced::FlankCompliance;
+use gearbench_models::gear::rigid;
 use gearbench_models::geometry::{Gear, GearParams};
-use gearbench_models::spec::{Mount, Parameters};
+use gearbench_models::spec::Mount;
 use gearbench_models::stiffness::Material;
 
 fn gear(teeth: u32, change: impl Fn(&mut GearParams)) -> Gear {
@@ -42,7 +43,7 @@ fn judged(
         meta: Meta::new(&request, "a test"),
         basis: Arc::new(basis),
     };
-    let (hub, none) = (test_support::hub(mount, None), Parameters::new());
+    let (hub, none) = (test_support::hub(mount, None), rigid::spec());
     let context = GearContext {
         slides: false,
         lines: None,

@@ -53,7 +53,7 @@ fn boxes_find_what_tooth_indices_find() {
     for spec in pairs() {
         let own = flanked("rigid-flanks-test", 12, 4);
         for second in [flanked("rigid-flanks-test", 9, 3), rigid()] {
-            let model = &second.id;
+            let model = &second.id();
             let models = [own.clone(), second.clone()];
             let of = |coarse| build(&spec, &models, &with_points(points(coarse)));
             let indices = of(CoarseSearch::ToothIndices);
@@ -90,11 +90,7 @@ fn boxes_find_what_tooth_indices_find() {
 #[test]
 fn flanks_that_are_no_involutes_are_found_by_boxes() {
     let spec = &pairs()[0];
-    let leaning = with(
-        flanked("rigid-flanks-test", 12, 3),
-        "lean_pitches",
-        Value::Number(0.7),
-    );
+    let leaning = with(flanked("rigid-flanks-test", 12, 3), "lean_pitches", 0.7);
     let models = [flanked("rigid-flanks-test", 12, 3), leaning];
     let of = |coarse| build(spec, &models, &with_points(points(coarse)));
     let [indices, boxes, auto] = [

@@ -125,10 +125,10 @@ fn what_flank_points_cannot_do_is_refused() {
         with(
             movable(5.3e8, 4.8e-3, 0.0),
             "stiffness_radius_m",
-            Value::List(vec![0.036, 0.062]),
+            vec![0.036, 0.062],
         ),
         "stiffness_at_radius_n_per_m",
-        Value::List(vec![7e8, 3e8]),
+        vec![7e8, 3e8],
     );
     refused([own, by_radius], points(), &["wheel", "contact radius"]);
 }

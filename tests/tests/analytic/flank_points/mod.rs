@@ -13,20 +13,14 @@ use gearbench_models::geometry::{Gear, GearParams, Rack, RackParams, Side, inv};
 use gearbench_models::law::Damping;
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{
-    Body, ContactSpec, ModelSpec, Mount, Parameters, Passes, PointContact, PointRule, Profile,
-    SceneSpec, SurfaceKind, Value, effective_radius, mesh_layout,
+    Body, ContactSpec, ModelSpec, Mount, Passes, PointContact, PointRule, Profile, SceneSpec,
+    SurfaceKind, effective_radius, mesh_layout,
 };
 use gearbench_tests::*;
 use std::f64::consts::TAU;
 
 pub(crate) fn flanked(id: &str, rows: usize, columns: usize) -> ModelSpec {
-    ModelSpec {
-        id: id.into(),
-        parameters: Parameters::from([
-            ("rows".to_string(), Value::Number(rows as f64)),
-            ("columns".to_string(), Value::Number(columns as f64)),
-        ]),
-    }
+    model_of(id, [("rows", rows), ("columns", columns)])
 }
 
 fn with_points(points: PointContact) -> ContactSpec {

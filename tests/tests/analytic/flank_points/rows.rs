@@ -251,12 +251,7 @@ fn pressed(models: &[ModelSpec], points: PointContact, gap: f64, off: f64) -> (S
 }
 
 fn nodal(rows: usize, columns: usize, condensed: bool) -> ModelSpec {
-    let model = flanked("nodal-test", rows, columns);
-    with(
-        model,
-        "condensed",
-        Value::Number(f64::from(u8::from(condensed))),
-    )
+    with(flanked("nodal-test", rows, columns), "condensed", condensed)
 }
 
 /// The gap rate `w . v` and what is prescribed by differences in time, with a driven gear on either side.

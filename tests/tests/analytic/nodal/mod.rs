@@ -15,21 +15,18 @@ use gearbench_integrators::system::{HalfStepImpulse, ModalSplit, StateView};
 use gearbench_integrators::{Outputs, Report, SecondOrderSystem, State};
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{
-    ContactSpec, Load, ModelSpec, Parameters, Passes, PointContact, PointRule, Profile, SceneSpec,
-    SurfaceKind, Value, effective_radius, mesh_layout,
+    ContactSpec, Load, ModelSpec, Passes, PointContact, PointRule, Profile, SceneSpec, SurfaceKind,
+    effective_radius, mesh_layout,
 };
 use gearbench_tests::*;
 
 fn toy(rows: usize, columns: usize, modes: usize, residual: f64) -> ModelSpec {
-    ModelSpec {
-        id: "elastic-toy".into(),
-        parameters: Parameters::from([
-            ("rows".to_string(), Value::Number(rows as f64)),
-            ("columns".to_string(), Value::Number(columns as f64)),
-            ("modes".to_string(), Value::Number(modes as f64)),
-            ("residual_m_per_n".to_string(), Value::Number(residual)),
-        ]),
-    }
+    let counts = [("rows", rows), ("columns", columns), ("modes", modes)];
+    with(
+        model_of("elastic-toy", counts),
+        "residual_m_per_n",
+        residual,
+    )
 }
 
 fn with_points(points: PointContact) -> ContactSpec {
@@ -125,11 +122,5 @@ fn quadrature(along: usize, across: usize) -> PointRule {
 }
 
 fn nodes_on_springs(rows: usize) -> ModelSpec {
-    ModelSpec {
-        id: "nodal-test".into(),
-        parameters: Parameters::from([
-            ("rows".to_string(), Value::Number(rows as f64)),
-            ("columns".to_string(), Value::Number(2.0)),
-        ]),
-    }
+    model_of("nodal-test", [("rows", rows), ("columns", 2)])
 }

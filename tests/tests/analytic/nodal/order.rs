@@ -41,7 +41,7 @@ fn the_order_of_the_gears_does_not_matter() {
             assert!(
                 (x - y).abs() <= 1e-9 * x.abs(),
                 "{} {id}: {a:?} {b:?}",
-                model.id
+                model.id()
             );
         }
     }

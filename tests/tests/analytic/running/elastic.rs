@@ -16,9 +16,8 @@ fn loaded_mesh(modal: f64) -> (SceneSpec, Modelling) {
     .unwrap();
     let mut modelling = file.model("elastic").unwrap().modelling.clone();
     for gear in &mut modelling.gears {
-        gear.parameters.remove("rayleigh");
-        gear.parameters
-            .insert("damping_ratio".into(), Value::Number(modal));
+        gear.set("rayleigh", serde_json::Value::Null).unwrap();
+        gear.set("damping_ratio", modal).unwrap();
     }
     for contact in &mut modelling.contacts {
         contact.damping = Damping::None;

@@ -9,18 +9,12 @@ mod potential;
 
 /// Returns elastic gears with a number of elements along a flank and over the width, with modes, on half-spaces.
 pub(super) fn half_space(elements: f64, layers: f64, modes: f64) -> Modelling {
-    let parameters: Parameters = [
+    let parameters = [
         ("modes", modes),
         ("flank_elements", elements),
         ("width_elements", layers),
-    ]
-    .into_iter()
-    .map(|(key, x)| (key.to_string(), Value::Number(x)))
-    .collect();
-    let elastic = ModelSpec {
-        id: "elastic".into(),
-        parameters,
-    };
+    ];
+    let elastic = model_of("elastic", parameters);
     let contact = ContactSpec {
         slices: Some(layers as usize),
         flanks: FlankContact::HalfSpace,

@@ -115,7 +115,7 @@ fn a_compound_train_passes_its_torque() {
         equilibrium(&mut scene, &mut s, &EquilibriumOptions::default()).unwrap();
         let torque = channel(&mut scene, &s, "shaft_torque:0");
         let held = channel(&mut scene, &s, "mount_torque:last");
-        println!("{}: shaft {torque}, last gear {held} N m", model.id);
+        println!("{}: shaft {torque}, last gear {held} N m", model.id());
         assert!((torque.abs() - 30.0).abs() < 1e-6, "{torque}");
         assert!((held.abs() - 60.0).abs() < 1e-6, "{held}");
         let middle = [1, 2].map(|i| s.q[scene.gears()[i].range().start]);

@@ -4,22 +4,19 @@ use super::*;
 use gearbench_integrators::SecondOrderSystem;
 use gearbench_integrators::dense_solve::solve_in_place;
 use gearbench_integrators::system::{Coeffs, StateView};
-use gearbench_models::spec::{
-    ContactSpec, FlankContact, ModelSpec, Parameters, PointContact, Value,
-};
+use gearbench_models::spec::{ContactSpec, FlankContact, ModelSpec, PointContact};
 
 /// Returns the artificial elastic gear with nodes over the width.
 pub fn toy() -> ModelSpec {
-    let number = |key: &str, x: f64| (key.to_string(), Value::Number(x));
-    ModelSpec {
-        id: "elastic-toy".into(),
-        parameters: Parameters::from([
-            number("rows", 11.0),
-            number("columns", 5.0),
-            number("modes", 6.0),
-            number("residual_m_per_n", 2e-9),
-        ]),
-    }
+    model_of(
+        "elastic-toy",
+        [
+            ("rows", 11.0),
+            ("columns", 5.0),
+            ("modes", 6.0),
+            ("residual_m_per_n", 2e-9),
+        ],
+    )
 }
 
 pub fn on_points(damping: f64) -> ContactSpec {
@@ -212,18 +209,17 @@ fn the_newton_correction_is_the_inverse_of_mass_and_tangent() {
 
 /// Returns reduced gears from coarse meshes.
 pub fn reduced() -> ModelSpec {
-    let number = |key: &str, x: f64| (key.to_string(), Value::Number(x));
-    ModelSpec {
-        id: "elastic".into(),
-        parameters: Parameters::from([
-            number("flank_elements", 5.0),
-            number("fillet_elements", 2.0),
-            number("across_elements", 4.0),
-            number("rim_elements", 2.0),
-            number("width_elements", 3.0),
-            number("modes", 20.0),
-        ]),
-    }
+    model_of(
+        "elastic",
+        [
+            ("flank_elements", 5),
+            ("fillet_elements", 2),
+            ("across_elements", 4),
+            ("rim_elements", 2),
+            ("width_elements", 3),
+            ("modes", 20),
+        ],
+    )
 }
 
 /// On no bearing forces on both gears are one wrench; on one, all that the ground exerts goes through it.

@@ -33,7 +33,7 @@ fn end(spec: &SceneSpec, models: &[ModelSpec], step: f64) -> Vec<(String, Vec<f6
     let mut law = contact(1.5e10);
     law.damping = Damping::None;
     law.slices = Some(6);
-    if models.iter().all(|m| m.id == "elastic") {
+    if models.iter().all(|m| m.id() == "elastic") {
         law = elastic::on_points(0.0);
     }
     let mut scene = build(spec, models, &law);

@@ -119,8 +119,8 @@ fn correction_is_the_inverse_of_the_newton_matrix() {
                             assert!(
                                 error < 1e-8,
                                 "{} {}, {}, {exponent}, {damping:?}, located {located}, depth {depth}, {c:?}: {error:.2e}",
-                                models[0].id,
-                                models[1].id,
+                                models[0].id(),
+                                models[1].id(),
                                 stiffness.id()
                             );
                         }
@@ -146,7 +146,7 @@ fn correction_with_friction_leaves_out_only_the_turning_of_the_sliding_force() {
                 let (mut scene, s) = pressed(&models, &contact, located, 3e-6);
                 for c in COEFFICIENTS {
                     let error = correct_error(&mut scene, &s, c);
-                    let name = &models[0].id;
+                    let name = &models[0].id();
                     assert!(
                         error < 1e-8,
                         "{name}, {exponent}, {damping:?}, located {located}, {c:?}: {error:.2e}"

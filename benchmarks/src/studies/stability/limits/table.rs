@@ -83,7 +83,8 @@ impl Case {
 }
 
 fn damps(gear: &ModelSpec) -> bool {
-    let teeth = MovableTeethParameters::of(gear).and_then(|p| p.tooth_damping_ns_per_m?.greatest());
+    let teeth = MovableTeethParameters::of(gear)
+        .and_then(|p| p.tooth_damping_ns_per_m.as_ref()?.greatest());
     let modes = ElasticParameters::of(gear).map(|p| {
         let [alpha, beta] = p.rayleigh.unwrap_or_default();
         p.damping_ratio.unwrap_or(0.0).max(alpha).max(beta)
@@ -97,12 +98,12 @@ fn dissipates(contact: &ContactSpec) -> bool {
 }
 
 fn damp(gear: &mut ModelSpec) -> Option<&'static str> {
-    if let Some(mut p) = ElasticParameters::of(gear) {
+    if let Some(mut p) = ElasticParameters::of(gear).cloned() {
         p.damping_ratio = Some(RATIO);
         *gear = p.spec();
         return Some("its modes");
     }
-    let mut p = MovableTeethParameters::of(gear)?;
+    let mut p = MovableTeethParameters::of(gear)?.clone();
     let k = p.tooth_stiffness_n_per_m.as_ref()?.greatest()?;
     let m = p.tooth_mass_kg.as_ref()?.greatest()?;
     p.tooth_damping_ns_per_m = Some(PerTooth::All(2.0 * RATIO * (k * m).sqrt()));

@@ -1,10 +1,12 @@
 //! Finite elements of full order that are short along the flank around a position and thin under it.
 
 use crate::running::*;
+use gearbench_models::declare_parameters;
 use gearbench_models::error::BuildError;
 use gearbench_models::gear::GearModel;
+use gearbench_models::gear::parameters::ModelParameters;
 use gearbench_models::gear::properties::Properties;
-use gearbench_models::gear::table::{GearContext, ParameterInfo};
+use gearbench_models::gear::table::GearContext;
 use gearbench_models::geometry::Gear;
 use gearbench_models::spec::{Body, Mount, Passes, PointContact, PointRule};
 use gearbench_reference::assembly::tie::MassKind;
@@ -12,39 +14,42 @@ use gearbench_reference::full_order::FullOrder;
 use gearbench_reference::full_order::body::Body as Elements;
 use gearbench_reference::mesh::{self, FineTeeth, Focus, GearMeshParams, Tooth};
 
-const KEYS: [&str; 5] = ["flank", "layers", "width", "place", "reach"];
-
-const fn number(key: &'static str) -> ParameterInfo {
-    ParameterInfo {
-        key,
-        meaning: "a number of the mesh",
-        required: true,
+declare_parameters! {
+    /// Numbers of the mesh.
+    struct GradedParameters model "graded" {
+        /// elements along a flank
+        flank: usize,
+        /// layers under the flank
+        layers: usize,
+        /// elements over the width
+        width: usize,
+        /// place of the short elements
+        place: f64,
+        /// extent of the short elements; infinite for elements of equal length
+        reach: f64,
     }
 }
 
-const GRADED: Model = Model {
-    id: "graded",
-    title: "finite elements that are short about a place of the flank",
-    parameters: &[
-        number(KEYS[0]),
-        number(KEYS[1]),
-        number(KEYS[2]),
-        number(KEYS[3]),
-        number(KEYS[4]),
-    ],
-    properties: Properties::NONE,
-    build: graded,
-};
+const GRADED: Model = Model::of::<GradedParameters>(
+    "finite elements that are short about a place of the flank",
+    Properties::NONE,
+    graded,
+);
 
 fn graded(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
-    let [flank, layers, width, place, reach] = KEYS.map(|key| match context.parameters[key] {
-        Value::Number(x) => x,
-        _ => panic!("{key} is no number"),
-    });
-    let layers = layers as usize;
+    let &GradedParameters {
+        flank: Some(flank),
+        layers: Some(layers),
+        width: Some(width),
+        place: Some(place),
+        reach: Some(reach),
+    } = context.parameters()?
+    else {
+        panic!("all are given")
+    };
     let params = GearMeshParams {
         tooth: Tooth {
-            flank: flank as usize,
+            flank,
             fillet: layers + 2,
             root: 4,
             across: 2 * layers + 4,
@@ -53,7 +58,7 @@ fn graded(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
         rim: layers + 2,
         // The first layer is a two hundredth of the tooth's half thickness.
         skin_growth: if layers > 6 { 1.5 } else { 2.0 },
-        width: width as usize,
+        width,
         fine_teeth: Some(FineTeeth {
             teeth: Vec::new(),
             others: Tooth {
@@ -122,21 +127,15 @@ impl ElementFineness {
         let gears = gears.map(|(i, s)| {
             let gear = toothing(&spec.gears[i].body);
             let (a, b) = (gear.roll_length_form(), gear.roll_length_tip());
-            let numbers = [
-                self.flank as f64,
-                self.layers as f64,
-                self.width[i] as f64,
-                ((s * s - a * a) / (b * b - a * a)).clamp(0.0, 1.0),
+            let parameters = GradedParameters {
+                flank: Some(self.flank),
+                layers: Some(self.layers),
+                width: Some(self.width[i]),
+                place: Some(((s * s - a * a) / (b * b - a * a)).clamp(0.0, 1.0)),
                 // The arc of an involute is s^2/(2 r_b).
-                self.reach * 2.0 * gear.r_base() / (b * b - a * a),
-            ];
-            let parameters = KEYS.iter().zip(numbers);
-            ModelSpec {
-                id: "graded".into(),
-                parameters: parameters
-                    .map(|(key, x)| (key.to_string(), Value::Number(x)))
-                    .collect(),
-            }
+                reach: Some(self.reach * 2.0 * gear.r_base() / (b * b - a * a)),
+            };
+            parameters.spec()
         });
         let points = PointContact {
             rule: PointRule::Quadrature {

@@ -35,12 +35,8 @@ fn off_potential(scene: &mut Scene, s: &State, scales: &[f64], coordinates: &[us
 fn forces_are_the_slope_of_one_potential() {
     let spec = fzg(0.0, 0.0);
     let both = half_space(6.0, 2.0, 12.0);
-    let rigid = ModelSpec {
-        id: "rigid".into(),
-        parameters: Parameters::default(),
-    };
     let one = Modelling {
-        gears: vec![both.gears[0].clone(), rigid],
+        gears: vec![both.gears[0].clone(), rigid()],
         ..both.clone()
     };
     for (name, modelling) in [("both", &both), ("one", &one)] {
@@ -87,10 +83,12 @@ fn of_finite_elements(element: &str) {
     let spec = fzg(0.0, 0.0);
     let mut modelling = half_space(4.0, 1.0, 0.0);
     let full = &mut modelling.gears[0];
-    full.id = "fe".into();
-    full.parameters.remove("modes");
-    let element = Value::Text(element.into());
-    full.parameters.insert("element".into(), element);
+    let values = full.values().into_iter();
+    *full = with(
+        model_of("fe", values.filter(|(key, _)| key != "modes")),
+        "element",
+        element,
+    );
     let mut scene = built(&spec, &modelling);
     let radius = effective_radius(&spec.gears[0].body);
     let pitch = mesh_layout(&spec.gears[0], &spec.gears[1])

@@ -6,7 +6,7 @@ use super::*;
 use gearbench_integrators::{AcceptedStep, Control, Resolution, SecondOrderSystem, Sink, TimePlan};
 use gearbench_models::contact::Candidate;
 use gearbench_models::spec::{
-    ContactSpec, FlankContact, ModelSpec, Modelling, Parameters, PointContact, PointRule, Value,
+    ContactSpec, FlankContact, ModelSpec, Modelling, PointContact, PointRule,
 };
 use gearbench_reference::statics::LoadedPair;
 
@@ -21,10 +21,7 @@ fn meshed(id: &str, flank: f64, width: f64, modes: Option<f64>) -> ModelSpec {
     ];
     let modes = modes.map(|n| ("modes", n));
     let all = counts.into_iter().chain(modes);
-    ModelSpec {
-        id: id.into(),
-        parameters: Parameters::from_iter(all.map(|(key, x)| (key.to_string(), Value::Number(x)))),
-    }
+    model_of(id, all)
 }
 
 /// Returns a contact with a number of points of a face along the profile and over the width.

@@ -6,7 +6,7 @@ use gearbench_integrators::{
     AcceptedStep, Control, Outputs, Resolution, SecondOrderSystem, Sink, TimePlan,
 };
 use gearbench_models::scene::{OfGear, OfMesh, Scene};
-use gearbench_models::spec::{Load, Modelling, Profile, Value, effective_radius};
+use gearbench_models::spec::{Load, Modelling, Profile, effective_radius};
 use gearbench_reference::statics::{self, LoadedPair, MeshCycle};
 use gearbench_tests::watched;
 
@@ -94,7 +94,7 @@ fn meshed(scene: &SceneFile, label: &str) -> Modelling {
     ];
     for gear in &mut coarse.gears {
         for (key, n) in counts {
-            gear.parameters.insert(key.into(), Value::Number(n));
+            gear.set(key, n).unwrap();
         }
     }
     coarse

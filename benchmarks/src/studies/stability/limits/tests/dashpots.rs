@@ -12,13 +12,12 @@ use gearbench_integrators::linear_stability::Stability;
 use gearbench_integrators::table::VELOCITY_VERLET;
 use gearbench_integrators::{NullSink, Resolution, SecondOrderSystem, State, TimePlan, Work};
 use gearbench_models::scene::Scene;
-use gearbench_models::spec::Value;
 
 /// Undamped elastic gears of sixty modes with dashpots [N s/m^3].
 fn damped(dashpots: f64) -> Configuration {
     let mut entry = entry("spur_impact", "elastic");
     for gear in &mut entry.modelling.gears {
-        (gear.parameters).insert("modes".into(), Value::Number(60.0));
+        gear.set("modes", 60).unwrap();
     }
     for contact in &mut entry.modelling.contacts {
         if let Some(points) = contact.flanks.points_mut() {
