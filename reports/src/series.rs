@@ -136,10 +136,10 @@ pub struct TimeSeries {
     pub time_s: Vec<f64>,
     /// Histories; a reference has those that are known of it.
     pub columns: Vec<Column>,
-    /// The contact force of the first mesh between the events of the run, for metrics: known while a study runs and in its
-    /// journal, not kept in records. References from elsewhere have none.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub force: Option<ForceHistory>,
+    /// The contact force of each mesh between the events of the run, in the order of the meshes, for metrics: known while a
+    /// study runs and in its journal, not kept in records. References from elsewhere have none.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub forces: Vec<ForceHistory>,
 }
 
 /// One named column of a [`TimeSeries`].
@@ -172,7 +172,7 @@ impl TimeSeries {
         let series = Self {
             time_s,
             columns,
-            force: None,
+            forces: Vec::new(),
         };
         series.validate()?;
         Ok(series)
@@ -255,7 +255,7 @@ impl TimeSeries {
         }
         match self.time_s.windows(2).find(|w| w[1] < w[0]) {
             Some(w) => Err(format!("time falls from {} s to {} s", w[0], w[1])),
-            None => self.force.iter().try_for_each(ForceHistory::validate),
+            None => self.forces.iter().try_for_each(ForceHistory::validate),
         }
     }
 
@@ -297,7 +297,7 @@ impl TimeSeries {
     pub fn decimated(&self, buckets: usize) -> Self {
         if buckets == 0 || self.len() <= 6 * buckets || self.validate().is_err() {
             return Self {
-                force: None,
+                forces: Vec::new(),
                 ..self.clone()
             };
         }
@@ -344,7 +344,7 @@ impl TimeSeries {
         Self {
             time_s: pick(&self.time_s),
             columns: self.columns.iter().map(column).collect(),
-            force: None,
+            forces: Vec::new(),
         }
     }
 }

@@ -210,7 +210,7 @@ pub fn compare(
 fn low_passed(of: &Outcome) -> Outcome {
     let mut out = of.clone();
     // What has no samples at jumps is compared at those of the grid.
-    out.series.force = None;
+    out.series.forces.clear();
     let deviation = LN_2.sqrt() / (TAU * CUT_OFF);
     let times = &of.series.time_s;
     for column in &mut out.series.columns {

@@ -30,7 +30,7 @@ pub fn decimate_run(row: &mut Run, references: &[ReferenceSeries]) {
     let Some(mut whole) = row.series.take() else {
         return;
     };
-    whole.force = None;
+    whole.forces.clear();
     let compared = |c: &Column| {
         let mut all = references.iter().flat_map(ReferenceSeries::all_series);
         all.any(|series| series.column(&c.name).is_some())

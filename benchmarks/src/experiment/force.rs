@@ -1,5 +1,4 @@
-//! Contact force of the first mesh as a piecewise polynomial between events, from which the metrics of a run are
-//! computed ([`gearbench_reports::force`] has the reasons).
+//! Contact forces of all meshes as piecewise polynomials between events, from which the metrics of a run are computed ([`gearbench_reports::force`] has the reasons).
 //!
 //! The force in a step is sampled at the nodes of its polynomial pieces. Where events are located, steps far shorter
 //! than a piece share one, so that the size of the record is proportional to the time in contact over the
@@ -65,18 +64,16 @@ pub fn is_located(s: &State, sys: &dyn SecondOrderSystem) -> bool {
     sys.layout().event_functions > 0 && s.discrete.first().is_some_and(|d| *d != 0.0)
 }
 
-/// A sample of the contact force: time [s], magnitude [N], part in the transverse plane [N].
+/// A sample of the contact force of a mesh: time [s], magnitude [N], part in the transverse plane [N].
 pub type Sample = [f64; 3];
 
-/// Records the contact force of the first mesh during a run.
+/// Records the contact forces of all meshes during a run, at times that they share.
 #[derive(Clone, Debug, Default)]
 pub struct ForceRecorder {
-    /// The contact force recorded so far.
-    pub history: ForceHistory,
-    /// Impulse of the transverse part of the force so far [N s].
-    pub impulse: f64,
-    /// Samples since the last piece ended.
-    group: Vec<Sample>,
+    /// The contact forces recorded so far.
+    pub meshes: Vec<RecordedForce>,
+    /// Times of the samples since the last pieces ended [s].
+    group: Vec<f64>,
     /// State at the end of the last step.
     end: State,
     /// Samples within one part of the present step, and those left of the whole step.
@@ -85,16 +82,35 @@ pub struct ForceRecorder {
     rule: Option<SamplingRule>,
     /// True if jumps without an event are searched within steps.
     finely: bool,
+}
+
+/// The contact force of a mesh, as it has been recorded so far.
+#[derive(Clone, Debug, Default)]
+pub struct RecordedForce {
+    /// The contact force.
+    pub history: ForceHistory,
+    /// Impulse of the transverse part of the force [N s].
+    pub impulse: f64,
+    /// Samples since the last piece ended, as many as the recorder has times.
+    group: Vec<Sample>,
     nodes: Vec<(f64, f64)>,
 }
 
 impl ForceRecorder {
-    /// A recorder; with `finely` it also searches within steps for jumps of the force that no event marks.
-    pub fn new(finely: bool) -> Self {
+    /// A recorder of a number of meshes; with `finely` it also searches within steps for jumps of the forces that no event
+    /// marks.
+    pub fn new(meshes: usize, finely: bool) -> Self {
         Self {
+            meshes: vec![RecordedForce::default(); meshes],
             finely,
             ..Self::default()
         }
+    }
+
+    /// Forgets the samples since the last pieces ended.
+    fn clear(&mut self) {
+        self.group.clear();
+        self.meshes.iter_mut().for_each(|m| m.group.clear());
     }
 
     /// Returns the times of a step at which the force is sampled, ascending, with its end; also its start if that is
@@ -111,7 +127,7 @@ impl ForceRecorder {
         times.clear();
         if step.flight {
             self.close();
-            self.group.clear();
+            self.clear();
             return;
         }
         let rule =
@@ -126,18 +142,19 @@ impl ForceRecorder {
         self.end.copy_from(step.to);
         if !goes_on {
             self.close();
-            self.group.clear();
+            self.clear();
             times.push(t0);
         }
         let time = sys.characteristic_time(step.to.at());
         let h = t1 - t0;
-        let begun = self.group.first().map_or(0.0, |s| t0 - s[0]);
+        let begun = self.group.first().map_or(0.0, |first| t0 - first);
         if begun > 0.0 && begun + h > 1.2 * rule.full * time {
             self.close();
         }
         self.interval = 1;
         let short = h <= 0.2 * rule.full * time;
-        let was_silent = goes_on && self.group.last().is_some_and(|s| s[1] == 0.0);
+        let silent_last = |m: &RecordedForce| m.group.last().is_some_and(|s| s[1] == 0.0);
+        let was_silent = goes_on && self.meshes.iter().all(silent_last);
         // A piece that is cut short must not be left with two nodes.
         let begun_well = goes_on && self.group.len() >= rule.nodes.len();
         if (begun_well && short) || (was_silent && silent(sys, t1) && silent(sys, t0 + 0.5 * h)) {
@@ -160,17 +177,25 @@ impl ForceRecorder {
         }
     }
 
-    /// Records the force at the next of these times.
-    pub fn take(&mut self, sys: &dyn SecondOrderSystem, sample: Sample) {
-        if self.group.last().is_some_and(|s| s[0] >= sample[0]) {
+    /// Records the forces at the next of these times: magnitude and transverse part of each mesh [N].
+    pub fn take(
+        &mut self,
+        sys: &dyn SecondOrderSystem,
+        t: f64,
+        forces: impl Iterator<Item = [f64; 2]>,
+    ) {
+        if self.group.last().is_some_and(|last| *last >= t) {
             return;
         }
-        self.group.push(sample);
+        self.group.push(t);
+        for (mesh, [force, transverse]) in self.meshes.iter_mut().zip(forces) {
+            mesh.group.push([t, force, transverse]);
+        }
         let Some(rule) = self.rule else { return };
         if self.group.len() > 1 {
             self.left = self.left.saturating_sub(1);
         }
-        let length = sample[0] - self.group[0][0];
+        let length = t - self.group[0];
         let time = sys.characteristic_time(self.end.at());
         // Polynomials end where parts of steps do, or their nodes would lie badly.
         if self.left.is_multiple_of(self.interval) && length >= rule.full * time {
@@ -178,9 +203,22 @@ impl ForceRecorder {
         }
     }
 
-    /// Ends the piece at the last sample, which is the first of the next piece.
+    /// Ends the pieces at the last sample, which is the first of the next pieces.
     pub fn close(&mut self) {
         let (Some(rule), &[.., _, last]) = (self.rule, &self.group[..]) else {
+            return;
+        };
+        for mesh in &mut self.meshes {
+            mesh.close(rule);
+        }
+        self.group.clear();
+        self.group.push(last);
+    }
+}
+
+impl RecordedForce {
+    fn close(&mut self, rule: SamplingRule) {
+        let &[.., last] = &self.group[..] else {
             return;
         };
         let group = std::mem::take(&mut self.group);

@@ -9,7 +9,7 @@ use super::force::{ForceRecorder, is_located};
 use super::pictures::Frames;
 use gearbench_integrators::system::{Outputs, SecondOrderSystem, State};
 use gearbench_integrators::{AcceptedStep, Control, Sink};
-use gearbench_models::scene::{Channel, OfMesh, Scene};
+use gearbench_models::scene::{OfMesh, Scene};
 
 /// Least distance of rows in contact, in characteristic times of the system.
 const ROW_DISTANCE: f64 = 0.1;
@@ -69,8 +69,8 @@ pub fn state_within(step: &AcceptedStep<'_>, t: f64, state: &mut State) {
 pub struct History {
     grid: Vec<f64>,
     next: usize,
-    /// Channels of the contact force of the first mesh and of its part in the transverse plane.
-    force: Option<[usize; 2]>,
+    /// Channels of the contact force of each mesh and of its part in the transverse plane.
+    forces: Vec<[usize; 2]>,
     /// Channels of the least normal force, by mesh.
     least: Vec<usize>,
     also_steps: bool,
@@ -82,7 +82,7 @@ pub struct History {
     pub on_grid: Vec<usize>,
     /// Log of contacts, if requested.
     pub contacts: Option<ContactLog>,
-    /// Contact force between events, if requested.
+    /// Contact forces between events, if requested.
     pub pieces: Option<ForceRecorder>,
     /// Steps that begin before this time are not recorded in `pieces` [s].
     pub pieces_from: f64,
@@ -92,13 +92,14 @@ pub struct History {
     pub instants: Instants,
     /// States at requested times for frames of whole bodies.
     pub frames: Frames,
-    /// Largest contact force of the first mesh [N].
+    /// Largest contact force of any mesh [N].
     pub peak: f64,
     /// Least normal force of any contact [N].
     pub least_normal: f64,
     /// The latest sample that was not stored.
     skipped: Option<(f64, Vec<f64>)>,
-    in_contact: bool,
+    /// Meshes that bear a force at the sample before.
+    in_contact: Vec<bool>,
     sample: State,
     /// True if the sample is the end of its step.
     at_end: bool,
@@ -110,23 +111,26 @@ pub struct History {
 impl History {
     /// Creates a recorder for the channels of a scene at ascending sampling times [s].
     pub fn new(scene: &Scene, grid: Vec<f64>) -> Self {
-        let channel = |what| scene.channel(Channel::Mesh(0, what));
+        let channels = |what| scene.channels_of_meshes(what);
+        let forces = channels(OfMesh::Force).into_iter();
+        let forces = forces.zip(channels(OfMesh::Transverse));
+        let forces: Vec<[usize; 2]> = forces.map(|(a, b)| [a, b]).collect();
         History {
             grid,
-            force: channel(OfMesh::Force)
-                .zip(channel(OfMesh::Transverse))
-                .map(|(a, b)| [a, b]),
+            in_contact: vec![false; forces.len()],
+            forces,
             least: scene.channels_of_meshes(OfMesh::LeastNormal),
             ..Default::default()
         }
     }
 
-    /// A history with the contact force between events; `also_steps` adds the accepted steps in contact.
+    /// A history with the contact forces between events; `also_steps` adds the accepted steps in contact.
     pub fn whole(scene: &Scene, grid: Vec<f64>, also_steps: bool) -> Self {
+        let plain = Self::new(scene, grid);
         History {
             also_steps,
-            pieces: Some(ForceRecorder::new(also_steps)),
-            ..Self::new(scene, grid)
+            pieces: Some(ForceRecorder::new(plain.forces.len(), also_steps)),
+            ..plain
         }
     }
 
@@ -137,7 +141,8 @@ impl History {
 
     /// The contact force of the first mesh at all rows [N]; 0 without a mesh.
     pub fn force(&self) -> Vec<f64> {
-        (self.force).map_or_else(|| vec![0.0; self.rows.len()], |[c, _]| self.column(c))
+        let first = self.forces.first();
+        first.map_or_else(|| vec![0.0; self.rows.len()], |[c, _]| self.column(*c))
     }
 
     /// Sets the sample to a time within a step.
@@ -148,13 +153,19 @@ impl History {
 
     /// True if all contact forces of the outputs are zero.
     fn is_silent(&self) -> bool {
-        (self.force).is_none_or(|[c, _]| self.out.channels[c] == 0.0)
+        (self.forces.iter()).all(|[c, _]| self.out.channels[*c] == 0.0)
     }
 
     /// Evaluates the sample and stores it as a row if `keep` is set or a contact begins or ends next to it.
     fn take(&mut self, sys: &mut dyn SecondOrderSystem, keep: bool, on_grid: bool) {
         sys.sample(self.sample.at(), &mut self.out);
-        let force = self.force.map_or(0.0, |[c, _]| self.out.channels[c].abs());
+        let mut changes = false;
+        let mut force = 0.0_f64;
+        for ([c, _], before) in self.forces.iter().zip(&mut self.in_contact) {
+            let own = self.out.channels[*c].abs();
+            force = force.max(own);
+            changes |= std::mem::replace(before, own > 0.0) != (own > 0.0);
+        }
         // Inside a coarse step the interpolant may dip below zero where the law never pulls: the states that the method
         // itself computed tell.
         if self.at_end {
@@ -172,7 +183,6 @@ impl History {
         if force > 0.0 && self.contacts.is_some() {
             self.instants.take(&self.sample);
         }
-        let changes = (force > 0.0) != self.in_contact;
         if keep || (changes && self.keeps_steps()) {
             if let Some((t, row)) = self.skipped.take()
                 && changes
@@ -194,7 +204,6 @@ impl History {
             row.clone_from(&self.out.channels);
             self.skipped = Some((self.sample.t, row));
         }
-        self.in_contact = force > 0.0;
         if let (true, Some(contacts)) = (on_grid, &mut self.contacts) {
             let located = is_located(&self.sample, sys);
             contacts.on_grid(sys, &self.sample, &self.out.channels, located);
@@ -249,15 +258,18 @@ impl Sink for History {
                 // Both sides of a jump stay, whatever their distance.
                 let begins = look == 0 && of_force == step.from.t;
                 let last = self.time.last().is_none_or(|last| t - last >= apart);
-                keep |= rows && self.in_contact && (begins || last) && self.keeps_steps();
+                keep |= rows
+                    && self.in_contact.contains(&true)
+                    && (begins || last)
+                    && self.keeps_steps();
                 look += 1;
             }
             self.take(sys, keep, of_grid);
             if of_force <= t
-                && let (Some(pieces), Some(channels)) = (&mut pieces, self.force)
+                && let Some(pieces) = &mut pieces
             {
-                let [force, transverse] = channels.map(|c| self.out.channels[c]);
-                pieces.take(sys, [t, force, transverse]);
+                let values = |channels: &[usize; 2]| channels.map(|c| self.out.channels[c]);
+                pieces.take(sys, t, self.forces.iter().map(values));
             }
         }
         self.pieces = pieces;

@@ -98,7 +98,8 @@ pub fn time_series(job: &Job<'_>, scene: &Scene, history: &History) -> TimeSerie
             .map(column),
     );
     let mut series = series.finite_prefix();
-    series.force = history.pieces.as_ref().map(|p| p.history.clone());
+    let pieces = history.pieces.iter().flat_map(|p| &p.meshes);
+    series.forces = pieces.map(|mesh| mesh.history.clone()).collect();
     series
 }
 

@@ -356,7 +356,8 @@ fn timed_from(
             history
                 .pieces
                 .as_ref()
-                .map_or_else(|| sampled_impulse(job.scene, &series), |p| p.impulse),
+                .and_then(|p| Some(p.meshes.first()?.impulse))
+                .unwrap_or_else(|| sampled_impulse(job.scene, &series)),
             scene
                 .on_lines_of_action()
                 .then_some([start_momenta, end_momenta]),

@@ -310,7 +310,7 @@ impl<E: ModelRefusal> WorkError<E> {
 /// Size of the histories of a row, in numbers.
 fn numbers_of(row: &Run) -> usize {
     let of_series = |s: &TimeSeries| {
-        let force = s.force.as_ref().map_or(0, ForceHistory::len);
+        let force: usize = s.forces.iter().map(ForceHistory::len).sum();
         s.len() * (1 + s.columns.len()) + 2 * force
     };
     let own = row.series.as_ref().map_or(0, of_series);

@@ -208,7 +208,7 @@ mod tests {
         longer.time_s[5] = 2.0;
         assert_eq!(found(&metrics(&run, &longer))[..3], [None; 3]);
         let mut of_the_study = run.clone();
-        of_the_study.force = Some(crate::force::ForceHistory::default());
+        of_the_study.forces = vec![crate::force::ForceHistory::default()];
         let [angle, torque, peak, _] = found(&metrics(&run, &of_the_study));
         assert_eq!([angle, torque, peak], [None; 3]);
     }

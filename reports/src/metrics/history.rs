@@ -4,11 +4,12 @@ use crate::force::{ForceHistory, Piece, gauss, minimum};
 use crate::series::{CONTACT_FORCE, TimeSeries};
 use std::borrow::Cow;
 
-/// Returns the pieces of the contact force of a mesh, which the first mesh of a run has; the mesh is given by the names of
-/// its gears, `_` between them.
+/// Returns the pieces of the contact force of a mesh, which a run has; the mesh is given by the names of its gears, `_`
+/// between them.
 pub(super) fn pieces_of<'s>(series: &'s TimeSeries, mesh: &str) -> Option<&'s ForceHistory> {
-    let is_first = series.first_mesh().is_none_or(|(first, _)| first == mesh);
-    series.force.as_ref().filter(|_| is_first)
+    let mut meshes = series.all_of(CONTACT_FORCE);
+    let place = meshes.position(|(name, _)| name == mesh)?;
+    series.forces.get(place)
 }
 
 /// Returns the contact force of a mesh: its pieces where it has them, else its samples joined by lines.

@@ -15,7 +15,7 @@ use std::f64::consts::TAU;
 const MOST_TIMES: usize = 1 << 14;
 
 /// Returns the forces of all meshes of a run that reached its end, by the names of their gears; empty for a scene with
-/// one mesh. The force of the first mesh is piecewise polynomial, those of the others are linear between samples.
+/// one mesh. Forces are piecewise polynomial where the series has pieces, else linear between samples.
 pub fn mesh_forces(
     series: &TimeSeries,
     meshes: &[[String; 2]],

@@ -19,10 +19,12 @@
 //! torque_peak_rel  = max |M| / max |M_r| - 1, of the torque for which its magnitude is largest
 //! ```
 //!
-//! The contact force is that of the first mesh of the scene; the forces of all meshes are in
-//! [`MeshForce`](crate::record::MeshForce). The rebound error is the largest over all gears whose speeds both sides have,
-//! `transmission_error_l2` the largest over all meshes likewise, with f_r the force of the mesh; the other metrics of the
-//! transmission error are those of the first mesh. A metric whose quantity the reference lacks is absent; without a force the
+//! Errors of the force are the largest over the meshes whose forces both sides have, of those whose reference bears at least
+//! 1e-3 of the force of the most loaded one (root mean squares); the alignment is that of each mesh, the shift that of the
+//! mesh with the largest aligned error. Peak, impulse, root mean square and duration are those of the first mesh of the scene;
+//! those of all meshes are in [`MeshForce`](crate::record::MeshForce). The rebound error is the largest over all gears whose
+//! speeds both sides have, `transmission_error_l2` the largest over all meshes likewise, with f_r the force of the mesh; the
+//! other metrics of the transmission error are those of the first mesh. A metric whose quantity the reference lacks is absent; without a force the
 //! transmission error is compared at all its times. T is the duration of the reference. Angles and torques are compared
 //! with external references only (`columns.rs`).
 //!
@@ -53,7 +55,7 @@ pub mod orders;
 pub use metric::Metric;
 
 use crate::record::{Ledger, Metrics, finite};
-use crate::series::{SPEED, TRANSMISSION_ERROR, TimeSeries, resample};
+use crate::series::{CONTACT_FORCE, SPEED, TRANSMISSION_ERROR, TimeSeries, resample};
 pub(crate) use columns::at_times;
 pub(crate) use history::trapezoid_weights;
 use history::{Force, Target, force_of, last_finite, samples_of};
@@ -152,13 +154,6 @@ pub fn compare(run: FinishedRun<'_>, reference: &TimeSeries, against: &str) -> M
     if reference.len() < 2 {
         return metrics;
     }
-    let whole = force_of(reference, mesh);
-    let whole = Force::until(&whole, window);
-    metrics.peak_force_rel = finite(deviation(peak, whole.peak().0));
-    metrics.impulse_rel = finite(deviation(impulse, whole.impulse()));
-    if has_force {
-        metrics.rms_force_rel = finite(deviation(rms(&run), rms(&whole)));
-    }
     let spans = (metrics.transmission_error_pp_m, span_of_error(reference));
     if let (Some(own), Some(wanted)) = spans {
         metrics.transmission_error_pp_rel = finite(deviation(own, wanted));
@@ -175,22 +170,69 @@ pub fn compare(run: FinishedRun<'_>, reference: &TimeSeries, against: &str) -> M
     metrics.transmission_error_l2 = errors
         .map(|(mesh, _)| transmission_error(series, reference, mesh, window))
         .fold(None, larger);
-    if reference.force.is_none() {
+    if reference.forces.is_empty() {
         metrics.angle_l2 = columns::worst(series, reference, columns::is_angle);
         metrics.speed_l2 = columns::worst(series, reference, columns::is_speed);
         metrics.torque_l2 = columns::worst(series, reference, columns::is_torque);
         metrics.torque_peak_rel = columns::peak(series, reference, columns::is_torque);
     }
-
-    let distance = target.distance(&run, 0.0);
-    metrics.force_l1 = finite(distance.l1);
-    metrics.force_l2 = finite(distance.l2);
-    if metrics.force_l2.is_some() {
-        let (shift, aligned) = target.best_shift(&run);
-        metrics.force_l2_aligned = finite(aligned);
-        metrics.time_shift_s = finite(shift);
-    }
+    force_errors(&mut metrics, series, reference, [window, lasts]);
     metrics
+}
+
+/// Least force of a mesh, over that of the most loaded one, at which its errors count (root mean squares).
+const BORNE: f64 = 1e-3;
+
+/// Adds the errors of the contact forces (see the head of the module); `window` is the end of the comparison, `lasts` its
+/// duration \[s\].
+fn force_errors(
+    metrics: &mut Metrics,
+    series: &TimeSeries,
+    reference: &TimeSeries,
+    [window, lasts]: [f64; 2],
+) {
+    let meshes: Vec<&str> = series.all_of(CONTACT_FORCE).map(|(mesh, _)| mesh).collect();
+    let known = |mesh: &&&str| !samples_of(reference, mesh).is_empty();
+    let compared: Vec<&str> = match meshes.iter().filter(known).count() {
+        // Nothing is known of the forces: the first mesh stands for that.
+        0 => vec![meshes.first().copied().unwrap_or("")],
+        _ => meshes.iter().filter(known).copied().collect(),
+    };
+    let histories: Vec<_> = (compared.iter())
+        .map(|mesh| (mesh, force_of(series, mesh), force_of(reference, mesh)))
+        .collect();
+    let rms = |force: &Force<'_>| (force.square() / lasts).sqrt();
+    let borne: Vec<f64> = (histories.iter())
+        .map(|(.., wanted)| rms(&Force::until(wanted, window)))
+        .collect();
+    let most = borne.iter().copied().fold(0.0, f64::max);
+    for ((mesh, own, wanted), bears) in histories.iter().zip(&borne) {
+        if *bears < BORNE * most {
+            continue;
+        }
+        let (own, wanted) = (Force::until(own, window), Force::until(wanted, window));
+        let target = Target::of(reference, mesh);
+        let worst = |metric: &mut Option<f64>, error: f64| {
+            *metric = larger(*metric, finite(error));
+        };
+        let peaks = deviation(own.peak().0, wanted.peak().0);
+        worst(&mut metrics.peak_force_rel, peaks);
+        let impulses = deviation(own.impulse(), wanted.impulse());
+        worst(&mut metrics.impulse_rel, impulses);
+        if !samples_of(reference, mesh).is_empty() {
+            worst(&mut metrics.rms_force_rel, deviation(rms(&own), *bears));
+        }
+        let distance = target.distance(&own, 0.0);
+        worst(&mut metrics.force_l1, distance.l1);
+        worst(&mut metrics.force_l2, distance.l2);
+        if distance.l2.is_finite() {
+            let (shift, aligned) = target.best_shift(&own);
+            if metrics.force_l2_aligned.is_none_or(|known| aligned > known) {
+                metrics.force_l2_aligned = finite(aligned);
+                metrics.time_shift_s = finite(shift);
+            }
+        }
+    }
 }
 
 /// Compares a run with a reference whose histories have several axes of time, the contact force on the first: each metric

@@ -260,7 +260,7 @@ fn pairs(meshes: usize) -> Results {
             series: Some(TimeSeries {
                 columns,
                 time_s: time_s.clone(),
-                force: None,
+                forces: Vec::new(),
             }),
             mesh_forces: (gears.iter().enumerate())
                 .map(|(m, gears)| MeshForce {

@@ -75,7 +75,7 @@ impl Impact {
         let mut series = TimeSeries::named(["contact_force_pinion_wheel_n"]);
         series.push(0.0, &[0.0]);
         series.push(T_END, &[0.0]);
-        series.force = Some(force);
+        series.forces = vec![force];
         series
     }
 
@@ -210,7 +210,7 @@ fn errors_are_free_of_sampling() {
     ] {
         let [coarse, fine] = [7, 900].map(|n| impact.run(&scheme, n));
         let reference = fine.series.clone().unwrap();
-        let kept = reference.force.as_ref().unwrap().len();
+        let kept = reference.forces[0].len();
         assert!(
             (3..200).contains(&kept),
             "{kept} pieces of {} steps",

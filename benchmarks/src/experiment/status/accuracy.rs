@@ -2,9 +2,10 @@
 
 use gearbench_reports::Adequacy;
 use gearbench_reports::comparison::Yardstick;
+use gearbench_reports::force::ForceHistory;
 use gearbench_reports::numbers::{digits_apart, short};
 use gearbench_reports::record::{Run, SELF, Status, Tolerance};
-use gearbench_reports::series::TimeSeries;
+use gearbench_reports::series::{CONTACT_FORCE, TimeSeries};
 
 /// Default limit of the L1 error against the model's own converged solution, above which a run is inaccurate [-].
 pub const OWN_ERROR: f64 = 0.05;
@@ -130,13 +131,13 @@ const OTHER_CONTACTS: f64 = 0.01;
 
 /// Time of the first contact in a force history [s].
 fn first_touch(series: &TimeSeries) -> Option<f64> {
-    match &series.force {
-        Some(force) => force.begins(),
-        None => {
-            let first = series.contact_force().iter().position(|f| f.abs() > 0.0);
-            first.map(|i| series.time_s[i])
-        }
+    if !series.forces.is_empty() {
+        let begins = series.forces.iter().filter_map(ForceHistory::begins);
+        return begins.reduce(f64::min);
     }
+    let touches = |(_, force): (_, &[f64])| force.iter().position(|f| f.abs() > 0.0);
+    let first = series.all_of(CONTACT_FORCE).filter_map(touches).min();
+    first.map(|i| series.time_s[i])
 }
 
 /// Sets the status of a run without contact whose reference, of the same model, has one: its steps passed over it. If
@@ -170,11 +171,12 @@ pub fn against_contact(run: &mut Run, reference: &TimeSeries) {
         ));
         return;
     }
-    let (Some(own), Some(wanted)) = (&series.force, &reference.force) else {
-        return;
-    };
     let error = run.against(SELF).and_then(|m| m.force_l1);
-    if own.spells() != wanted.spells() && error.is_some_and(|e| e > OTHER_CONTACTS) {
+    let differ = |(own, wanted): &(&ForceHistory, &ForceHistory)| own.spells() != wanted.spells();
+    let mut meshes = series.forces.iter().zip(&reference.forces);
+    if let Some((own, wanted)) = meshes.find(differ)
+        && error.is_some_and(|e| e > OTHER_CONTACTS)
+    {
         run.message.get_or_insert(format!(
             "{} periods of contact, but {} in the converged solution: the sequence of impacts differs, so that errors are of the order of one after the first difference",
             own.spells(),

@@ -81,7 +81,7 @@ impl Pair {
                 position: &position,
                 error: &error,
                 force: series.contact_force(),
-                pieces: series.force.as_ref(),
+                pieces: series.forces.first(),
                 gears: [0, 1].map(|k| (gears[k].0, self.teeth[k])),
                 speed: series.of(SPEED, gears[0].0)?,
                 bearings,
@@ -367,7 +367,7 @@ fn settled(
     let gears = [0, 1].map(|i| {
         let vibrates = !properties_of(
             &plan.conditions.context.models,
-            &entry.modelling.gears[i].id,
+            entry.modelling.gears[i].id(),
         )
         .rigid;
         (entry.scene.gears[i].name.as_str(), vibrates)
