@@ -281,6 +281,8 @@ fn the_page_is_alone_and_nothing_in_it_runs() {
     }
     for (name, text) in written(&results) {
         if name.ends_with(".html") || name.ends_with(".svg") {
+            // The page has the script of its charts, at its end, and no other.
+            let text = text.replace("<script></script></body>", "</body>");
             assert!(!text.contains("<script"), "{name}");
             assert!(!text.contains('\u{7}'), "{name}");
             for fetch in ["src=", "href=", "@import", "url("] {
