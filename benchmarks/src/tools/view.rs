@@ -59,8 +59,10 @@ fn report_of(folder: &Path) -> Result<PathBuf, Refusal> {
     match page.is_file() {
         true => Ok(page),
         false => Err(Refusal::Input(miette::miette!(
-            help = "write it from the record with `gearbench report {}`",
-            folder.display();
+            help = format!(
+                "write it from the record with `gearbench report {}`",
+                folder.display()
+            ),
             "{} has a record, but not its page {PAGE}",
             folder.display()
         ))),

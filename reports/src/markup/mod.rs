@@ -20,7 +20,8 @@ use maud::{DOCTYPE, Markup, PreEscaped, Render, html};
 
 /// Style of all pages.
 pub const STYLE: &str = include_str!("style.css");
-const SCRIPT: &str = include_str!("charts.js");
+/// Script of all pages.
+pub const SCRIPT: &str = include_str!("charts.js");
 
 /// Renders a section under a heading.
 pub fn section(heading: &str, content: impl Render) -> Markup {

@@ -250,6 +250,10 @@ pub fn report(results: &Results) -> Result<StudyReport, DrawError> {
     let (measured, charts) = measured::report(&results.measured, &report.csv)?;
     report.tables = maud::html! { (report.tables) (measured) };
     report.charts.extend(charts);
+    // A study without a choice of its own has its first chart on the first screen.
+    if report.first.is_empty() && !report.charts.is_empty() {
+        report.first.push(report.charts.remove(0));
+    }
     report.distinguish_files();
     Ok(report)
 }
@@ -306,7 +310,7 @@ pub struct StudyReport {
     pub finding: Vec<Markup>,
     /// Index of the sentence with the answer, which the page shows above the others.
     pub answer: usize,
-    /// Charts of the first screen, next to each other below the finding.
+    /// Charts of the first screen, next to each other below the finding: those that the study names, else its first.
     pub first: Vec<Chart>,
     /// Sections above the other charts.
     pub tables: Markup,
