@@ -4,6 +4,7 @@ use crate::drawing::canvas::DrawError;
 use crate::drawing::style::night;
 use crate::markup::{STYLE, sentences};
 use crate::record::Results;
+use crate::store::PAGE;
 use crate::studies::report;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
@@ -62,7 +63,8 @@ fn card(entry: &Entry) -> Result<Markup, DrawError> {
         true => &header.scene,
         false => &header.title,
     };
-    let link = format!("{}/index.html", address(&entry.folder));
+    let below = |file: &str| address(&format!("{}/{file}", entry.folder));
+    let link = below(PAGE);
     let answer = report.finding.get(report.answer).cloned();
     let answer: Vec<Markup> = answer.into_iter().collect();
     let first = report.all_charts().next();
@@ -72,7 +74,7 @@ fn card(entry: &Entry) -> Result<Markup, DrawError> {
             p.stamp { (results.study_name()) " \u{b7} scene " (header.scene) " \u{b7} " (header.created) " \u{b7} " code { (entry.folder) } }
             p { (sentences(&answer)) }
             @if let Some(chart) = first {
-                img loading="lazy" alt=(chart.title) src=(format!("{}/{}", address(&entry.folder), address(&chart.file)));
+                img loading="lazy" alt=(chart.title) src=(below(&chart.file));
             }
         }
     })
