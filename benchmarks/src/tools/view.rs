@@ -160,7 +160,7 @@ fn open(page: &Path) -> bool {
     };
     let displays = ["DISPLAY", "WAYLAND_DISPLAY"];
     let has_display = |name: &&str| std::env::var_os(name).is_some_and(|x| !x.is_empty());
-    if program == "xdg-open" && !displays.iter().any(|name| has_display(&name)) {
+    if program == "xdg-open" && !displays.iter().any(has_display) {
         return false;
     }
     let mut command = Command::new(program);
