@@ -393,6 +393,9 @@ try {
       await page.evaluate((id) => document.getElementById(id).focus(), chart.id);
       await page.keyboard.press("ArrowRight");
       assert.ok(await readout(page, chart.id), `${name}: ${chart.name} shows no values`);
+      // Two curves of a panel never have one name.
+      const labels = await page.$$eval(`figure:has(#${chart.id}) .readout .value > span`, (all) => all.map((s) => s.textContent));
+      assert.equal(new Set(labels).size, labels.length, `${name}: ${chart.name}: ${labels}`);
     }
     if (name.startsWith("compare")) {
       await firstScreen(page);

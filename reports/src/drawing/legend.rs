@@ -42,7 +42,7 @@ impl Entry {
     }
 
     /// True if a curve has the look of the entry. An overview has lines without dash, and markers or none.
-    pub fn describes(&self, curve: &Curve) -> bool {
+    fn describes(&self, curve: &Curve) -> bool {
         let stroke = curve.stroke.unwrap_or_else(|| Stroke::new(curve.ink, 1.0));
         let place = curve.along.map(curve_style);
         let look = place.or(curve.marker.map(|(look, ..)| look));
@@ -54,6 +54,17 @@ impl Entry {
                 _ => true,
             }
     }
+}
+
+/// Returns the index of the entry that describes a curve, rather one whose marker is filled as those of the curve are.
+pub fn entry_of(legend: &[Entry], curve: &Curve) -> Option<usize> {
+    let filled = curve.marker.is_none_or(|(.., filled)| filled);
+    let is_same = |e: &&Entry| e.marker.is_none_or(|(_, own)| own == filled);
+    let found = |same: bool| {
+        let mut entries = legend.iter();
+        entries.position(|e| e.describes(curve) && (!same || is_same(&e)))
+    };
+    found(true).or_else(|| found(false))
 }
 
 /// Returns the left edge and row of every entry on a chart of this width.
@@ -100,4 +111,25 @@ pub fn in_rows(widths: impl Iterator<Item = f64>, left: f64, right: f64) -> Vec<
         place
     };
     widths.map(place).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Curves of one look that differ in the filling of their markers have entries of their own.
+    #[test]
+    fn a_curve_has_the_entry_of_its_look() {
+        let look = curve_style(0);
+        let legend = [
+            Entry::marked("up", look, true),
+            Entry::marked("down", look, false),
+            Entry::marked("other", curve_style(1), true),
+        ];
+        let curve = |look: CurveStyle, filled: bool| Curve::points(look, 3.0, filled, Vec::new());
+        assert_eq!(entry_of(&legend, &curve(look, true)), Some(0));
+        assert_eq!(entry_of(&legend, &curve(look, false)), Some(1));
+        assert_eq!(entry_of(&legend, &curve(curve_style(1), false)), Some(2));
+        assert_eq!(entry_of(&legend, &curve(curve_style(2), true)), None);
+    }
 }

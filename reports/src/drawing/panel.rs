@@ -5,7 +5,7 @@ use super::axis::{Axis, Frame, TICK_SIZE, tick_label};
 use super::canvas::{Anchor, Canvas, DrawError, Ink, Stroke, Type, draw_with, text_width};
 use super::geometry::Rect;
 use super::labels::OccupiedArea;
-use super::legend::{Entry, legend_height, paint_legend};
+use super::legend::{Entry, entry_of, legend_height, paint_legend};
 use super::style::{CurveStyle, cross, curve_style, marker};
 use crate::series::decimate;
 
@@ -251,7 +251,7 @@ impl Panel {
             }
         });
         for curve in &self.curves {
-            let entry = legend.iter().position(|e| e.describes(curve));
+            let entry = entry_of(legend, curve);
             let entry = entry.map(|i| ("data-entry", i.to_string()));
             let class = [("class", "curve".to_owned())];
             let attributes: Vec<_> = class.into_iter().chain(entry).collect();
