@@ -341,7 +341,11 @@
         if (seen >= this.y0 - 1 && seen <= this.y1 + 1) {
           svgElement("circle", { cx: x, cy: seen, r: 3.6, fill: colour, class: "dot" }, this.overlay);
         }
-        read.push({ label: this.chart.labelOf(curve.entry) || this.title || this.yName.name, colour, value: this.valueOf(y) });
+        const label = this.chart.labelOf(curve.entry) || this.title || this.yName.name;
+        const value = this.valueOf(y);
+        // Points that stand on their curve, or coincide, are one value.
+        const isKnown = (r) => r.label === label && Math.abs(r.value - value) <= 1e-3 * Math.abs(value);
+        if (!read.some(isKnown)) read.push({ label, colour, value });
       }
       return read;
     }
