@@ -1,7 +1,7 @@
 //! Escaping of texts from data for terminals, Markdown and table cells.
 //!
 //! Names of gears, labels and messages come from files of any origin. Each kind of output has one function here; `maud`
-//! escapes pages and pictures.
+//! escapes pages.
 
 use std::borrow::Cow;
 
@@ -81,6 +81,23 @@ pub fn markdown(text: &str) -> String {
             // An address is no link.
             ':' if all.get(i + 1) == Some(&'/') => out.push_str("&#58;"),
             '.' if out.to_ascii_lowercase().ends_with("www") => out.push_str("&#46;"),
+            c => out.push(c),
+        }
+    }
+    out
+}
+
+/// Escapes a text for an element or a quoted attribute of XML and SVG; control characters become spaces.
+pub fn xml(text: &str) -> String {
+    let mut out = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c {
+            '&' => out.push_str("&amp;"),
+            '<' => out.push_str("&lt;"),
+            '>' => out.push_str("&gt;"),
+            '"' => out.push_str("&quot;"),
+            '\'' => out.push_str("&#39;"),
+            c if c.is_control() => out.push(' '),
             c => out.push(c),
         }
     }

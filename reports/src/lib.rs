@@ -10,6 +10,8 @@ pub mod dictionary;
 mod drawing;
 pub mod escape;
 pub mod force;
+pub mod gallery;
+mod glossary;
 pub mod histories;
 mod markup;
 pub mod measured;

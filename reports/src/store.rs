@@ -171,10 +171,7 @@ type File<'a> = (String, Content<'a>);
 fn render(results: &Results) -> Result<Vec<File<'static>>, ReportError> {
     let report = report(results)?;
     let tables = report.csv.iter().map(|t| (t.file.clone(), t.text()));
-    let charts = report
-        .charts
-        .iter()
-        .map(|c| (c.file.clone(), c.svg.clone()));
+    let charts = report.all_charts().map(|c| (c.file.clone(), c.svg.clone()));
     let texts = report.texts.iter().cloned();
     Ok(tables
         .chain(charts)

@@ -50,7 +50,11 @@ const GROUPS: [(&str, &[&str], &[&str]); 5] = [
         &["reference", "mesh", "reduce"],
         &["fmu"],
     ),
-    ("Keep and repeat", &[], &["report", "rerun", "completions"]),
+    (
+        "Keep and repeat",
+        &[],
+        &["view", "report", "rerun", "completions"],
+    ),
 ];
 
 /// Titles of the groups with the names of their commands.

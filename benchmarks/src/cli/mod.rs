@@ -33,7 +33,7 @@ use crate::tools::mesh::{self, arguments::Mesh};
 use crate::tools::reduce::{self, arguments::Reduce};
 use crate::tools::reference::{self, arguments::Reference};
 use crate::tools::rerun::{self, Rerun};
-use crate::tools::{init, init::Init, list, list::List, report, report::Report};
+use crate::tools::{init, init::Init, list, list::List, report, report::Report, view, view::View};
 use clap::error::ErrorKind;
 use clap::{ArgMatches, CommandFactory, FromArgMatches, Parser, Subcommand};
 use command_result::CommandResult;
@@ -139,6 +139,8 @@ pub(crate) enum Command {
     Help(Help),
     /// Rewrite the report of a results folder
     Report(Report),
+    /// Open the report of a result in a browser, or a gallery of all results in a folder
+    View(View),
     /// Join the parts of a scan that were run with --shard
     Merge(Merge),
     /// Repeat a study from its record and compare the results
@@ -160,6 +162,7 @@ impl Command {
             Command::List(args) => list::run(context, &args),
             Command::Help(args) => help::run(context, &args),
             Command::Report(args) => report::run(context, &args),
+            Command::View(args) => view::run(context, &args),
             Command::Merge(args) => merge::run(context, &args),
             Command::Rerun(args) => again(context, &args),
             Command::Completions(args) => completions::run(context, &args),

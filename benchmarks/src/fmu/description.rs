@@ -2,6 +2,7 @@
 
 use super::interface::{Interface, Role, Variable};
 use gearbench_integrators::{Resolution, Scheme};
+use gearbench_reports::escape::xml;
 use std::fmt::Write as _;
 
 /// Units by name, with the powers of kg, m, s and rad.
@@ -34,22 +35,6 @@ pub struct DescriptionHeader<'a> {
     pub samples: usize,
 }
 
-/// Escapes text for an XML attribute.
-fn escaped(text: &str) -> String {
-    let mut out = String::with_capacity(text.len());
-    for c in text.chars() {
-        match c {
-            '&' => out.push_str("&amp;"),
-            '<' => out.push_str("&lt;"),
-            '>' => out.push_str("&gt;"),
-            '"' => out.push_str("&quot;"),
-            c if c.is_control() => out.push(' '),
-            c => out.push(c),
-        }
-    }
-    out
-}
-
 /// Default communication step of a host [s]: a sampling interval of the scene, in whole steps of the method.
 fn default_step(head: &DescriptionHeader<'_>) -> f64 {
     let sample = head.duration / head.samples.max(1) as f64;
@@ -65,7 +50,7 @@ pub fn text(head: &DescriptionHeader<'_>, all: &Interface) -> String {
     let DescriptionHeader {
         identifier, token, ..
     } = head;
-    let [name, title] = [head.name, head.title].map(escaped);
+    let [name, title] = [head.name, head.title].map(xml);
     let version = env!("CARGO_PKG_VERSION");
     let step = match head.scheme.resolution {
         Resolution::Step(h) => format!(" fixedInternalStepSize=\"{h:e}\""),
@@ -159,10 +144,10 @@ fn element(reference: usize, v: &Variable, all: &Interface) -> String {
     };
     let mut out = format!(
         "    <{kind} name=\"{}\" valueReference=\"{reference}\" {role}",
-        escaped(&v.name)
+        xml(&v.name)
     );
     if !v.description.is_empty() {
-        let _ = write!(out, " description=\"{}\"", escaped(&v.description));
+        let _ = write!(out, " description=\"{}\"", xml(&v.description));
     }
     if !v.unit.is_empty() {
         let _ = write!(out, " unit=\"{}\"", v.unit);

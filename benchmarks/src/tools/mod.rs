@@ -8,3 +8,4 @@ pub mod reduce;
 pub mod reference;
 pub mod report;
 pub mod rerun;
+pub mod view;

@@ -19,6 +19,8 @@ pub struct Axis {
     pub min: f64,
     pub max: f64,
     pub log: bool,
+    /// Seconds per unit of the axis, if it is one of time.
+    pub seconds: Option<f64>,
 }
 
 impl Axis {
@@ -42,6 +44,7 @@ impl Axis {
             min,
             max,
             log: false,
+            seconds: None,
         }
     }
 
@@ -85,6 +88,15 @@ impl Axis {
             min,
             max,
             log: true,
+            seconds: None,
+        }
+    }
+
+    /// Returns the axis as one of time in units of so many seconds.
+    pub fn of_time(self, seconds: f64) -> Self {
+        Self {
+            seconds: Some(seconds),
+            ..self
         }
     }
 
@@ -94,6 +106,14 @@ impl Axis {
             (x.max(1e-300) / self.min).log10() / (self.max / self.min).log10()
         } else {
             (x - self.min) / (self.max - self.min)
+        }
+    }
+
+    /// Returns the value at a position in the range; the inverse of [`Axis::place`].
+    pub fn at(&self, place: f64) -> f64 {
+        match self.log {
+            true => self.min * (self.max / self.min).powf(place),
+            false => self.min + place * (self.max - self.min),
         }
     }
 
@@ -206,8 +226,36 @@ impl Frame {
         )
     }
 
+    /// Returns the attributes of the group of a plot, from which the script of a page computes values of points: area on
+    /// the page, ranges, and names of the axes. The class is `panel` for curves and points, `map` for cells.
+    pub fn attributes(
+        &self,
+        class: &str,
+        x: &str,
+        y: &str,
+        title: &str,
+    ) -> Vec<(&'static str, String)> {
+        let r = &self.area;
+        let range = |axis: &Axis| {
+            let log = if axis.log { " log" } else { "" };
+            format!("{} {}{log}", axis.min, axis.max)
+        };
+        vec![
+            ("class", class.into()),
+            (
+                "data-area",
+                format!("{:.3} {:.3} {:.3} {:.3}", r.x0, r.y0, r.x1, r.y1),
+            ),
+            ("data-x", range(&self.x)),
+            ("data-y", range(&self.y)),
+            ("data-x-name", x.into()),
+            ("data-y-name", y.into()),
+            ("data-title", title.into()),
+        ]
+    }
+
     /// Paints the abscissa alone, with at most about `most` ticks: grid, labels, base line, name.
-    pub fn paint_x(&self, c: &mut Canvas<'_>, name: &str, most: usize) {
+    pub fn paint_x(&self, c: &mut Canvas, name: &str, most: usize) {
         let r = &self.area;
         let ticks = self.x.ticks(most);
         for &t in &ticks {
@@ -222,7 +270,7 @@ impl Frame {
     }
 
     /// Paints grid, tick labels, names and edge. `x_labels` is off for panels that share the axis below.
-    pub fn paint(&self, c: &mut Canvas<'_>, x_name: &str, y_name: &str, x_labels: bool) {
+    pub fn paint(&self, c: &mut Canvas, x_name: &str, y_name: &str, x_labels: bool) {
         let ticks = self.x.ticks((self.area.width() / 85.0) as usize);
         let ticks: Vec<(f64, String)> = (ticks.iter())
             .map(|&t| (t, tick_label(t, &ticks, self.x.log)))
@@ -233,12 +281,35 @@ impl Frame {
     /// Paints the frame like `paint`, but with ticks of the abscissa that the caller gives.
     pub fn paint_at(
         &self,
-        c: &mut Canvas<'_>,
+        c: &mut Canvas,
         x_ticks: &[(f64, String)],
         x_name: &str,
         y_name: &str,
         x_labels: bool,
     ) {
+        c.group(&[("class", "axes".into())], |c| {
+            self.paint_grid(c, x_ticks, x_labels);
+        });
+        let r = &self.area;
+        c.frame(r, Stroke::new(Ink::PALE, 1.0));
+        if x_labels {
+            let middle = 0.5 * (r.x0 + r.x1);
+            c.text(
+                x_name,
+                (middle, r.y1 + 30.0),
+                Type::new(NAME_SIZE, Anchor::Middle),
+            );
+        }
+        let middle = 0.5 * (r.y0 + r.y1);
+        c.text(
+            y_name,
+            (14.0, middle),
+            Type::new(NAME_SIZE, Anchor::Middle).upwards(),
+        );
+    }
+
+    /// Paints lines and labels of the ticks, which the script of a page replaces where it shows a part of the range.
+    fn paint_grid(&self, c: &mut Canvas, x_ticks: &[(f64, String)], x_labels: bool) {
         let r = &self.area;
         let grid = Stroke::new(Ink::GRID, 0.8);
         let small = |anchor| Type::new(TICK_SIZE, anchor).ink(Ink::GREY);
@@ -263,21 +334,6 @@ impl Frame {
             let (_, y) = self.at(self.x.min, 0.0);
             c.line(&[(r.x0, y), (r.x1, y)], Stroke::new(Ink::PALE, 1.0));
         }
-        c.frame(r, Stroke::new(Ink::PALE, 1.0));
-        if x_labels {
-            let middle = 0.5 * (r.x0 + r.x1);
-            c.text(
-                x_name,
-                (middle, r.y1 + 30.0),
-                Type::new(NAME_SIZE, Anchor::Middle),
-            );
-        }
-        let middle = 0.5 * (r.y0 + r.y1);
-        c.text(
-            y_name,
-            (14.0, middle),
-            Type::new(NAME_SIZE, Anchor::Middle).upwards(),
-        );
     }
 }
 
@@ -298,6 +354,10 @@ mod tests {
         assert_eq!(l.ticks(8), [1e-3, 1e-2, 1e-1]);
         assert!((l.place(l.min)).abs() < 1e-12 && (l.place(l.max) - 1.0).abs() < 1e-12);
         assert_eq!(nice_step(0.031), 0.05);
+        for axis in [a, l] {
+            let x = axis.at(0.3);
+            assert!((axis.place(x) - 0.3).abs() < 1e-12, "{axis:?}");
+        }
     }
 
     /// All tick labels of an axis have the same notation: never 1e-5 next to 0.001.

@@ -80,6 +80,38 @@ pub fn clip_segment(a: (f64, f64), b: (f64, f64), r: &Rect) -> Option<((f64, f64
 /// Simplifies a polyline (Douglas and Peucker, Cartographica 10, 1973): every point that is left out lies closer than
 /// `within` to the result; first and last point stay.
 pub fn simplified(points: &[(f64, f64)], within: f64) -> Vec<(f64, f64)> {
+    simplified_by(points, within, |p, a, b| {
+        let (dx, dy) = (b.0 - a.0, b.1 - a.1);
+        let square = dx * dx + dy * dy;
+        let (x, y) = (p.0 - a.0, p.1 - a.1);
+        let t = if square > 0.0 {
+            ((x * dx + y * dy) / square).clamp(0.0, 1.0)
+        } else {
+            0.0
+        };
+        (x - t * dx).hypot(y - t * dy)
+    })
+}
+
+/// Simplifies the graph of a function: the ordinate of every point that is left out differs by less than `within` from
+/// the result.
+pub fn simplified_upright(points: &[(f64, f64)], within: f64) -> Vec<(f64, f64)> {
+    simplified_by(points, within, |p, a, b| {
+        let t = (p.0 - a.0) / (b.0 - a.0);
+        match (0.0..=1.0).contains(&t) {
+            true => (p.1 - a.1 - t * (b.1 - a.1)).abs(),
+            // A line that turns back is no graph there: the point stays.
+            false => f64::INFINITY,
+        }
+    })
+}
+
+/// Simplifies a polyline with the distance of a point from a segment.
+fn simplified_by(
+    points: &[(f64, f64)],
+    within: f64,
+    distance: impl Fn((f64, f64), (f64, f64), (f64, f64)) -> f64,
+) -> Vec<(f64, f64)> {
     if points.len() < 3 {
         return points.to_vec();
     }
@@ -87,20 +119,8 @@ pub fn simplified(points: &[(f64, f64)], within: f64) -> Vec<(f64, f64)> {
     let mut parts = vec![(0, points.len() - 1)];
     while let Some((first, last)) = parts.pop() {
         (kept[first], kept[last]) = (true, true);
-        let (a, b) = (points[first], points[last]);
-        let (dx, dy) = (b.0 - a.0, b.1 - a.1);
-        let square = dx * dx + dy * dy;
-        let off = |p: (f64, f64)| {
-            let (x, y) = (p.0 - a.0, p.1 - a.1);
-            let t = if square > 0.0 {
-                ((x * dx + y * dy) / square).clamp(0.0, 1.0)
-            } else {
-                0.0
-            };
-            (x - t * dx).hypot(y - t * dy)
-        };
         let far = (first + 1..last)
-            .map(|i| (off(points[i]), i))
+            .map(|i| (distance(points[i], points[first], points[last]), i))
             .max_by(|a, b| a.0.total_cmp(&b.0));
         if let Some((d, i)) = far
             && d > within

@@ -4,6 +4,7 @@
 use super::axis::{Axis, Frame, NAME_SIZE, TICK_SIZE, tick_label};
 use super::canvas::{Anchor, Canvas, Ink, Stroke, Type};
 use super::geometry::Rect;
+use crate::numbers::significant;
 
 /// Nine places of the colours, from least to greatest.
 const COLOURS: [[u8; 3]; 9] = [
@@ -64,11 +65,13 @@ pub struct HeatMap<'a> {
     pub y: &'a [f64],
     pub columns: &'a [Vec<f64>],
     pub scale: &'a Axis,
+    /// Unit of the values.
+    pub unit: &'a str,
 }
 
 impl HeatMap<'_> {
     /// Paints the cells within a frame, under all else that the canvas has.
-    pub fn paint(&self, c: &mut Canvas<'_>, frame: &Frame) {
+    pub fn paint(&self, c: &mut Canvas, frame: &Frame) {
         let (x, y) = (edges(self.x), edges(self.y));
         if ![x.as_slice(), &y].concat().iter().all(|at| at.is_finite()) {
             return;
@@ -103,13 +106,28 @@ impl HeatMap<'_> {
             }
         }
         for (level, cells) in cells.iter().enumerate() {
-            c.cells(cells, of_level(level));
+            c.cells(cells, of_level(level), &self.range_text(level));
+        }
+    }
+}
+
+impl HeatMap<'_> {
+    /// Returns the range of the values of a level, with unit.
+    fn range_text(&self, level: usize) -> String {
+        let last = (LEVELS - 1) as f64;
+        let [low, high] = [-0.5, 0.5].map(|half| self.scale.at((level as f64 + half) / last));
+        let unit = self.unit;
+        let text = |x: f64| significant(x, 3);
+        match level {
+            0 => format!("below {} {unit}", text(high)),
+            _ if level + 1 == LEVELS => format!("above {} {unit}", text(low)),
+            _ => format!("{} to {} {unit}", text(low), text(high)),
         }
     }
 }
 
 /// Paints the bar of a scale: colours, ticks at its right, name and unit above.
-pub fn colour_bar(c: &mut Canvas<'_>, area: Rect, scale: &Axis, name: &str) {
+pub fn colour_bar(c: &mut Canvas, area: Rect, scale: &Axis, name: &str) {
     let frame = Frame {
         area,
         x: Axis::linear(0.0, 1.0),
@@ -119,7 +137,7 @@ pub fn colour_bar(c: &mut Canvas<'_>, area: Rect, scale: &Axis, name: &str) {
     for level in 0..LEVELS {
         let bottom = area.y1 - step * level as f64;
         let cell = Rect::new(area.x0, bottom - step, area.x1, bottom);
-        c.cells(&[cell], of_level(level));
+        c.cells(&[cell], of_level(level), "");
     }
     c.frame(&area, Stroke::new(Ink::PALE, 1.0));
     let ticks = scale.ticks((area.height() / 34.0) as usize);
@@ -155,6 +173,7 @@ mod tests {
             y: &[0.0, 1.0, 2.0],
             columns: &columns,
             scale: &scale,
+            unit: "mm",
         };
         let frame = Frame {
             area: Rect::new(10.0, 0.0, 50.0, 30.0),
@@ -164,7 +183,9 @@ mod tests {
         let svg = draw(60.0, 40.0, "map", |c| map.paint(c, &frame)).unwrap();
         // The second column from x = 2 to 4, its middle row.
         assert!(
-            svg.contains("fill=\"#FDE725\" d=\"M300 100h200v100h-200z\""),
+            svg.contains(
+                "fill=\"#FDE725\" d=\"M300 100h200v100h-200z\"><title>above 0.915 mm</title>"
+            ),
             "{svg}"
         );
         // The first column as one cell, and both ends of the second.

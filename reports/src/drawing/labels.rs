@@ -117,7 +117,7 @@ impl OccupiedArea {
     }
 
     /// Writes a name next to its point, with a leader where it is further away; returns false if there was no space.
-    pub fn write(&mut self, c: &mut Canvas<'_>, text: &str, at: Point, kind: Type) -> bool {
+    pub fn write(&mut self, c: &mut Canvas, text: &str, at: Point, kind: Type) -> bool {
         let Some(place) = self.place_text(text, kind.size, at) else {
             return false;
         };
@@ -138,7 +138,7 @@ impl OccupiedArea {
     }
 
     /// Writes the name of a horizontal line next to it.
-    pub fn write_along(&mut self, c: &mut Canvas<'_>, text: &str, y: f64, kind: Type) -> bool {
+    pub fn write_along(&mut self, c: &mut Canvas, text: &str, y: f64, kind: Type) -> bool {
         let Some(place) = self.along(text, kind.size, y) else {
             return false;
         };

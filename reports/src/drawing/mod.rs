@@ -3,15 +3,13 @@
 //! Every model has one colour, dash pattern and marker in all charts; a reference is the
 //! thick dark line. Axes carry units; long histories are decimated so that peaks stay.
 //!
-//! plotters writes the SVG ([`canvas`]); this module lays out axes, legends and dashes. The `ChartBuilder` of plotters
-//! 0.3.7 was tried on the chart of errors over mode counts (two panels, both axes logarithmic) and rejected. It accepts
-//! ticks at 1, 2, 5 (`with_key_points`), but they must come from [`axis::Axis::ticks`] all the same. Linear and
-//! logarithmic axes are different types (four pairs of them, or a coordinate type of our own). It would replace
-//! `axis::Frame`, 60 lines, by 45 lines of configuration. Its legend is one column inside the plot, over the data; it
-//! cuts names of ordinates at the edge; panels with a common axis have plots of unequal size; `DashedLineSeries` has
-//! one length of dash and gap, no dash-dot, and writes every dash as an element (709 elements for two curves, compared
-//! with 285 here for four with markers, failures and marks). Strips of failed runs and the placement of names need
-//! positions on the page, which it does not expose.
+//! [`canvas`] writes the SVG; this module lays out axes, legends and dashes. Groups with `data-` attributes describe
+//! panels, curves and entries of legends, so that the script of a page (`markup/charts.js`) reads the values of curves
+//! from the drawing and no datum is in the page twice.
+//!
+//! The crate plotters, which wrote the SVG before, has no groups, dashes, titles or attributes. Its `ChartBuilder` was
+//! tried on the chart of errors over mode counts and rejected: its legend is one column over the data, panels with a
+//! common axis have plots of unequal size, and every dash is an element.
 
 pub mod axis;
 pub mod canvas;

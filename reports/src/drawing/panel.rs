@@ -2,10 +2,10 @@
 
 use super::Chart;
 use super::axis::{Axis, Frame, TICK_SIZE, tick_label};
-use super::canvas::{Anchor, Canvas, DrawError, Ink, Stroke, Type, draw, text_width};
+use super::canvas::{Anchor, Canvas, DrawError, Ink, Stroke, Type, draw_with, text_width};
 use super::geometry::Rect;
 use super::labels::OccupiedArea;
-use super::legend::{Entry, legend_height, paint_legend};
+use super::legend::{Entry, entry_of, legend_height, paint_legend};
 use super::style::{CurveStyle, cross, curve_style, marker};
 use crate::series::decimate;
 
@@ -20,8 +20,8 @@ const STRIP: f64 = 22.0;
 /// Between panels, and below one with names under its abscissa.
 const GAP: f64 = 14.0;
 const NAMES: f64 = 52.0;
-/// Extremes of a long history are kept in so many parts of a panel.
-const BUCKETS: usize = 700;
+/// Extremes of a long history are kept in so many parts of a panel: more than the histories of records have.
+const BUCKETS: usize = 2000;
 /// Approximate distance between the markers of its model on a line without points of its own; models alternate.
 const SPACING: f64 = 150.0;
 /// Height of the line of text above a panel.
@@ -208,14 +208,18 @@ impl Panel {
         }
     }
 
-    fn paint(&self, c: &mut Canvas<'_>, top: f64) {
+    /// Returns the plot of the panel on a chart of this width.
+    fn frame(&self, top: f64, width: f64) -> Frame {
         let y0 = top + self.above() + self.strip();
-        let area = Rect::new(LEFT, y0, WIDTH - RIGHT, y0 + self.height);
-        let frame = Frame {
-            area,
+        Frame {
+            area: Rect::new(LEFT, y0, width - RIGHT, y0 + self.height),
             x: self.x.clone(),
             y: self.y.clone().unwrap_or_else(|| self.range()),
-        };
+        }
+    }
+
+    fn paint(&self, c: &mut Canvas, top: f64, frame: &Frame, legend: &[Entry]) {
+        let area = frame.area;
         let ticks = if self.x_ticks.is_empty() {
             let at = frame.x.ticks((area.width() / 85.0) as usize);
             let label = |&t: &f64| (t, tick_label(t, &at, frame.x.log));
@@ -224,10 +228,8 @@ impl Panel {
             self.x_ticks.clone()
         };
         let name = self.x_name.as_deref();
-        for ([a, b], ink) in &self.bands {
-            let [x0, x1] = [a, b].map(|x| frame.at(*x, frame.y.min).0.clamp(area.x0, area.x1));
-            c.fill(&Rect::new(x0, area.y0, x1.max(x0 + 2.0), area.y1), *ink);
-        }
+        let notes = [("class", "notes".to_owned())];
+        c.group(&notes, |c| self.paint_bands(c, frame));
         frame.paint_at(c, &ticks, name.unwrap_or(""), &self.y_name, name.is_some());
         let heading = !self.remark.is_empty();
         if heading {
@@ -236,51 +238,73 @@ impl Panel {
         }
         let names = top + if heading { ABOVE } else { 0.0 } + 7.0;
         let mut room = OccupiedArea::of(area);
-        self.paint_verticals(c, &frame, names, &mut room);
         let limits: Vec<(f64, &str)> = (self.limits.iter())
             .map(|(limit, text)| (frame.at(frame.x.max, *limit).1, text.as_str()))
             .filter(|(y, _)| (area.y0..=area.y1).contains(y))
             .collect();
-        for (y, _) in &limits {
-            let line = [(area.x0, *y), (area.x1, *y)];
-            c.line(&line, Stroke::dashed(Ink::DARK, 1.0, &[6.0, 4.0]));
-            room.occupy_line(&line);
-        }
+        c.group(&notes, |c| {
+            self.paint_verticals(c, frame, names, &mut room);
+            for (y, _) in &limits {
+                let line = [(area.x0, *y), (area.x1, *y)];
+                c.line(&line, Stroke::dashed(Ink::DARK, 1.0, &[6.0, 4.0]));
+                room.occupy_line(&line);
+            }
+        });
         for curve in &self.curves {
-            self.paint_curve(c, &frame, curve, &mut room);
+            let entry = entry_of(legend, curve);
+            let entry = entry.map(|i| ("data-entry", i.to_string()));
+            let class = [("class", "curve".to_owned())];
+            let attributes: Vec<_> = class.into_iter().chain(entry).collect();
+            c.group(&attributes, |c| {
+                self.paint_curve(c, frame, curve, &mut room)
+            });
         }
         let small = Type::new(TICK_SIZE, Anchor::Start);
-        for (y, text) in limits.iter().filter(|l| !l.1.is_empty()) {
-            room.write_along(c, text, *y, small.ink(Ink::GREY));
-        }
-        for ((x, y), text) in &self.marks {
-            room.write(c, text, frame.at(*x, *y), small);
-        }
-        if self.strip() > 0.0 {
-            self.paint_failures(c, &frame);
+        c.group(&notes, |c| {
+            for (y, text) in limits.iter().filter(|l| !l.1.is_empty()) {
+                room.write_along(c, text, *y, small.ink(Ink::GREY));
+            }
+            for ((x, y), text) in &self.marks {
+                room.write(c, text, frame.at(*x, *y), small);
+            }
+            if self.strip() > 0.0 {
+                self.paint_failures(c, frame);
+            }
+        });
+    }
+
+    /// Paints the tinted ranges of the abscissa.
+    fn paint_bands(&self, c: &mut Canvas, frame: &Frame) {
+        let area = frame.area;
+        for ([a, b], ink) in &self.bands {
+            let [x0, x1] = [a, b].map(|x| frame.at(*x, frame.y.min).0.clamp(area.x0, area.x1));
+            c.fill(&Rect::new(x0, area.y0, x1.max(x0 + 2.0), area.y1), *ink);
         }
     }
 
-    fn paint_curve(
-        &self,
-        c: &mut Canvas<'_>,
-        frame: &Frame,
-        curve: &Curve,
-        room: &mut OccupiedArea,
-    ) {
+    fn paint_curve(&self, c: &mut Canvas, frame: &Frame, curve: &Curve, room: &mut OccupiedArea) {
         let area = frame.area;
         let inside = area.grown(1.0);
         let points: Vec<(f64, f64)> = curve.points.iter().map(|p| frame.at(p.0, p.1)).collect();
         if let Some(stroke) = curve.stroke {
-            c.line_within(&points, &area, stroke);
+            c.curve(&points, &area, stroke);
             room.occupy_line(&points);
         }
+        // The places of markers, for the script of a page, which moves them with their line or with their points.
+        let class = |name: &str, (x, y): (f64, f64)| {
+            [
+                ("class", name.to_owned()),
+                ("data-at", format!("{x:.3} {y:.3}")),
+            ]
+        };
         if let Some(style) = curve.along {
             let first = area.x0 + SPACING * (0.2 + 0.62 * style as f64).fract();
             let places = (0..).map(|k| first + SPACING * f64::from(k));
             for x in places.take_while(|x| *x < area.x1) {
                 if let Some(at) = at_abscissa(&points, x).filter(|p| inside.holds(*p)) {
-                    marker(c, at, 4.4, curve_style(style), true);
+                    c.group(&class("along", at), |c| {
+                        marker(c, at, 4.4, curve_style(style), true);
+                    });
                     room.occupy_point(at, 5.4);
                 }
             }
@@ -289,13 +313,13 @@ impl Panel {
             return;
         };
         for p in points.into_iter().filter(|p| inside.holds(*p)) {
-            marker(c, p, radius, look, filled);
+            c.group(&class("point", p), |c| marker(c, p, radius, look, filled));
             room.occupy_point(p, radius + 1.0);
         }
     }
 
     /// Paints vertical lines; a name that would overlap the one before it is left out.
-    fn paint_verticals(&self, c: &mut Canvas<'_>, frame: &Frame, y: f64, room: &mut OccupiedArea) {
+    fn paint_verticals(&self, c: &mut Canvas, frame: &Frame, y: f64, room: &mut OccupiedArea) {
         let area = frame.area;
         let mut free = f64::NEG_INFINITY;
         for (at, text) in &self.verticals {
@@ -317,7 +341,7 @@ impl Panel {
     }
 
     /// Paints the strip above a panel with a cross for every failed run.
-    fn paint_failures(&self, c: &mut Canvas<'_>, frame: &Frame) {
+    fn paint_failures(&self, c: &mut Canvas, frame: &Frame) {
         let area = frame.area;
         let strip = Rect::new(area.x0, area.y0 - STRIP, area.x1, area.y0 - 4.0);
         c.edge_of_failures(&strip);
@@ -355,14 +379,34 @@ pub fn chart(
     legend: &[Entry],
     panels: &[Panel],
 ) -> Result<Chart, DrawError> {
-    let head = 10.0 + legend_height(legend);
+    chart_of_width(WIDTH, file, title, caption, legend, panels)
+}
+
+/// Draws a chart of panels under one legend, of a width of its own.
+pub fn chart_of_width(
+    width: f64,
+    file: &str,
+    title: impl Into<String>,
+    caption: impl Into<String>,
+    legend: &[Entry],
+    panels: &[Panel],
+) -> Result<Chart, DrawError> {
+    let head = 10.0 + legend_height(legend, width);
     let height = head + panels.iter().map(Panel::total_height).sum::<f64>();
     let title = title.into();
-    let svg = draw(WIDTH, height, &title, |c| {
-        paint_legend(c, legend);
+    let seconds = panels.iter().find_map(|p| p.x.seconds);
+    let svg = draw_with(width, height, &title, &chart_attributes(seconds), |c| {
+        paint_legend(c, legend, width);
         let mut y = head;
-        for panel in panels {
-            panel.paint(c, y);
+        for (i, panel) in panels.iter().enumerate() {
+            let frame = panel.frame(y, width);
+            // Panels over one abscissa have its name below the last of them.
+            let named = panels[i..].iter().find_map(|p| p.x_name.as_deref());
+            let mut attributes =
+                frame.attributes("panel", named.unwrap_or(""), &panel.y_name, &panel.remark);
+            // Ticks at places of their own cannot be made for a part of the range.
+            attributes.extend((!panel.x_ticks.is_empty()).then(|| ("data-fixed", String::new())));
+            c.group(&attributes, |c| panel.paint(c, y, &frame, legend));
             y += panel.total_height();
         }
     })?;
@@ -372,4 +416,12 @@ pub fn chart(
         caption: caption.into(),
         svg,
     })
+}
+
+/// Returns the attributes of a chart that the script of a page reads: that it has panels, and, of a chart over time, the
+/// seconds per unit of its abscissa.
+fn chart_attributes(seconds: Option<f64>) -> Vec<(&'static str, String)> {
+    let time = seconds.map(|s| ("data-time", s.to_string()));
+    let class = [("class", "panels".to_owned())];
+    class.into_iter().chain(time).collect()
 }

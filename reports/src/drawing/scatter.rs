@@ -5,8 +5,8 @@ use super::axis::{Frame, NAME_SIZE, TICK_SIZE};
 use super::canvas::{Anchor, Canvas, Ink, Stroke, Type, text_width};
 use super::geometry::Rect;
 use super::labels::OccupiedArea;
-use super::legend::in_rows;
-use super::panel::{LEFT, RIGHT, WIDTH};
+use super::legend::{entry_attributes, in_rows};
+use super::panel::{LEFT, RIGHT};
 use super::style::{cross, curve_style, marker};
 
 /// Largest number of failed runs that the strip names.
@@ -14,14 +14,14 @@ const NAMED: usize = 6;
 const ROW: f64 = 18.0;
 
 /// Returns left edge and row of the entries of the key: models, then the meaning of filled markers.
-fn key_places(names: &[(&str, usize)]) -> Vec<(f64, usize)> {
+fn key_places(names: &[(&str, usize)], width: f64) -> Vec<(f64, usize)> {
     let widths = names
         .iter()
         .map(|n| 38.0 + 1.08 * text_width(n.0, NAME_SIZE));
     in_rows(
         widths.chain([text_width(FILLING, TICK_SIZE)]),
         LEFT + 6.0,
-        WIDTH - RIGHT,
+        width - RIGHT,
     )
 }
 
@@ -29,18 +29,20 @@ fn key_places(names: &[(&str, usize)]) -> Vec<(f64, usize)> {
 const FILLING: &str = "filled: explicit, open: implicit";
 
 /// Returns the height of [`key`].
-pub fn key_height(names: &[(&str, usize)]) -> f64 {
-    8.0 + 20.0 * (key_places(names).last().map_or(0, |p| p.1) + 1) as f64
+pub fn key_height(names: &[(&str, usize)], width: f64) -> f64 {
+    8.0 + 20.0 * (key_places(names, width).last().map_or(0, |p| p.1) + 1) as f64
 }
 
 /// Paints the key of models by colour and marker, in the order of their styles; `methods` adds the meaning of filled
 /// markers.
-pub fn key(c: &mut Canvas<'_>, names: &[(&str, usize)], methods: bool) {
-    let places = key_places(names);
+pub fn key(c: &mut Canvas, names: &[(&str, usize)], width: f64, methods: bool) {
+    let places = key_places(names, width);
     for ((name, style), (x, row)) in names.iter().zip(&places) {
         let y = 12.0 + 20.0 * *row as f64;
-        marker(c, (*x, y), 5.2, curve_style(*style), true);
-        c.text(name, (x + 12.0, y), Type::new(NAME_SIZE, Anchor::Start));
+        c.group(&entry_attributes(*style), |c| {
+            marker(c, (*x, y), 5.2, curve_style(*style), true);
+            c.text(name, (x + 12.0, y), Type::new(NAME_SIZE, Anchor::Start));
+        });
     }
     if let (true, Some((x, row))) = (methods, places.last()) {
         let kind = Type::new(TICK_SIZE, Anchor::Start).ink(Ink::GREY);
@@ -51,17 +53,19 @@ pub fn key(c: &mut Canvas<'_>, names: &[(&str, usize)], methods: bool) {
 /// Integrators by number, in the order of appearance: names would hide each other.
 pub struct Numbers<'a> {
     names: Vec<&'a str>,
+    /// Width of the chart.
+    width: f64,
 }
 
 impl<'a> Numbers<'a> {
-    pub fn of(names: impl IntoIterator<Item = &'a str>) -> Self {
+    pub fn of(names: impl IntoIterator<Item = &'a str>, width: f64) -> Self {
         let mut all: Vec<&str> = Vec::new();
         for name in names {
             if !all.contains(&name) {
                 all.push(name);
             }
         }
-        Self { names: all }
+        Self { names: all, width }
     }
 
     /// Returns the number of an integrator.
@@ -75,7 +79,7 @@ impl<'a> Numbers<'a> {
             .names
             .iter()
             .map(|n| 34.0 + 1.08 * text_width(n, TICK_SIZE));
-        in_rows(widths, LEFT, WIDTH - RIGHT)
+        in_rows(widths, LEFT, self.width - RIGHT)
     }
 
     /// Returns the height of the key below a plot.
@@ -84,7 +88,7 @@ impl<'a> Numbers<'a> {
     }
 
     /// Writes the key from `top` downwards.
-    pub fn paint(&self, c: &mut Canvas<'_>, top: f64) {
+    pub fn paint(&self, c: &mut Canvas, top: f64) {
         for (i, (name, (x, row))) in self.names.iter().zip(self.places()).enumerate() {
             let y = top + ROW * (row as f64 + 0.5);
             let number = Type::new(TICK_SIZE, Anchor::End).bold();
@@ -105,12 +109,12 @@ pub fn failures_height(failed: usize) -> f64 {
 
 /// Paints failed runs with their colours in a strip that ends above `bottom`; `rest` names the place of those that do
 /// not fit.
-pub fn failures(c: &mut Canvas<'_>, failed: &[(Ink, String)], bottom: f64, rest: &str) {
+pub fn failures(c: &mut Canvas, failed: &[(Ink, String)], width: f64, bottom: f64, rest: &str) {
     if failed.is_empty() {
         return;
     }
     let top = bottom - failures_height(failed.len());
-    let edge = Rect::new(LEFT, top, WIDTH - RIGHT, bottom - 8.0);
+    let edge = Rect::new(LEFT, top, width - RIGHT, bottom - 8.0);
     c.edge_of_failures(&edge);
     let kind = Type::new(TICK_SIZE, Anchor::Start);
     let word = Type::new(TICK_SIZE, Anchor::End).ink(Ink::FAIL);
@@ -130,7 +134,7 @@ pub fn failures(c: &mut Canvas<'_>, failed: &[(Ink, String)], bottom: f64, rest:
 }
 
 /// Draws the line of a tolerance and returns its ordinate; [`OccupiedArea::write_along`] names it when all points are placed.
-pub fn tolerance(c: &mut Canvas<'_>, frame: &Frame, limit: f64, room: &mut OccupiedArea) -> f64 {
+pub fn tolerance(c: &mut Canvas, frame: &Frame, limit: f64, room: &mut OccupiedArea) -> f64 {
     let (x, y) = frame.at(frame.x.max, limit);
     let line = [(frame.area.x0, y), (x, y)];
     let stroke = Stroke::dashed(Ink::DARK, 1.2, &[6.0, 4.0]);

@@ -168,7 +168,7 @@ fn outline(marker: Marker, (x, y): (f64, f64), r: f64) -> Vec<(f64, f64)> {
 }
 
 /// Draws a marker, filled or open.
-pub fn marker(c: &mut Canvas<'_>, at: (f64, f64), r: f64, look: CurveStyle, filled: bool) {
+pub fn marker(c: &mut Canvas, at: (f64, f64), r: f64, look: CurveStyle, filled: bool) {
     let mut edge = outline(look.marker, at, r);
     let ground = if filled { look.ink } else { Ink::WHITE };
     if edge.is_empty() {
@@ -186,7 +186,7 @@ pub fn marker(c: &mut Canvas<'_>, at: (f64, f64), r: f64, look: CurveStyle, fill
 }
 
 /// Draws the cross of a failed run.
-pub fn cross(c: &mut Canvas<'_>, at: (f64, f64), r: f64, ink: Ink) {
+pub fn cross(c: &mut Canvas, at: (f64, f64), r: f64, ink: Ink) {
     let (x, y) = at;
     let stroke = Stroke::new(ink, 2.0);
     c.line(&[(x - r, y - r), (x + r, y + r)], stroke);

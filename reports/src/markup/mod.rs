@@ -1,13 +1,16 @@
 //! The report: one self-contained HTML page, for the screen offline and for paper.
 //!
-//! The page has no script, font or request: style and charts are in the page. `maud` escapes every text from data; only
-//! the charts, which are SVG already, are inserted unchanged.
+//! The page makes no request: style, charts and script are in the page. The page is complete without the script
+//! (`charts.js`), which adds what a pointer and keys do on charts. `maud` escapes every text from data; only the charts,
+//! which are SVG already, are inserted unchanged.
 
 pub mod column;
 pub mod runs;
 pub mod table;
 
+use crate::drawing::Chart;
 use crate::drawing::style::{mark, night};
+use crate::glossary::explained;
 use crate::metrics::Metric;
 use crate::numbers::{count, quantity};
 use crate::record::{Results, Run, Status};
@@ -15,7 +18,10 @@ use crate::studies::StudyReport;
 use crate::view::{Group, View};
 use maud::{DOCTYPE, Markup, PreEscaped, Render, html};
 
-const STYLE: &str = include_str!("style.css");
+/// Style of all pages.
+pub const STYLE: &str = include_str!("style.css");
+/// Script of all pages.
+pub const SCRIPT: &str = include_str!("charts.js");
 
 /// Renders a section under a heading.
 pub fn section(heading: &str, content: impl Render) -> Markup {
@@ -33,7 +39,7 @@ pub fn note(text: impl Render) -> Markup {
 }
 
 /// Renders sentences in sequence.
-fn sentences(all: &[Markup]) -> Markup {
+pub fn sentences(all: &[Markup]) -> Markup {
     let all: Vec<&str> = all.iter().map(|m| m.0.as_str()).collect();
     PreEscaped(all.join(" "))
 }
@@ -63,6 +69,22 @@ pub fn text(markup: &Markup) -> String {
 
 /// Renders a text of a record in plain words: metrics by their names, other names of the format as code.
 pub fn prose(text: &str) -> Markup {
+    with_code(&in_words(text), |part| html! { (part) })
+}
+
+/// Renders a text as [`prose`] does, with the meanings of the terms of the glossary.
+fn prose_with_terms(text: &str) -> Markup {
+    with_code(&in_words(text), explained)
+}
+
+/// Renders a text with its quoted parts as code.
+fn with_code(text: &str, part: impl Fn(&str) -> Markup) -> Markup {
+    let parts = text.split('`').enumerate();
+    html! { @for (i, text) in parts { @if i % 2 == 1 { code { (text) } } @else { (part(text)) } } }
+}
+
+/// Returns a text with the names of metrics in place of their keys.
+fn in_words(text: &str) -> String {
     // A key that is a word of its own, quoted or not, is a metric.
     let mut text = text.to_owned();
     let mut metrics = Metric::ALL;
@@ -71,8 +93,7 @@ pub fn prose(text: &str) -> Markup {
         text = text.replace(&format!("`{}`", m.key()), m.words());
         text = text.replace(m.key(), m.words());
     }
-    let parts = text.split('`').enumerate();
-    html! { @for (i, part) in parts { @if i % 2 == 1 { code { (part) } } @else { (part) } } }
+    text
 }
 
 /// Returns the clause on the number of failed runs of a record, for the end of a sentence.
@@ -131,22 +152,18 @@ pub fn page(results: &Results, report: &StudyReport) -> String {
                     }
                     section.finding {
                         h2 { "Finding" }
-                        p { (sentences(&report.finding)) }
+                        (finding(report))
+                    }
+                    @if !report.first.is_empty() {
+                        div.first { @for (i, c) in report.first.iter().enumerate() { (chart(i + 1, c)) } }
                     }
                     (report.tables)
-                    @for (i, chart) in report.charts.iter().enumerate() {
-                        section.chart {
-                            h2 { (chart.title) }
-                            figure {
-                                div.pan { (PreEscaped(&chart.svg)) }
-                                figcaption { b { "Figure " (i + 1) "." } " " (prose(&chart.caption)) }
-                            }
-                        }
-                    }
+                    @for (i, c) in report.charts.iter().enumerate() { (chart(report.first.len() + i + 1, c)) }
                     (models(&View::new(results)))
                     (report.details)
                     (setting(&View::new(results)))
                 }
+                script { (PreEscaped(SCRIPT)) }
             }
         }
     };
@@ -158,6 +175,31 @@ pub fn page(results: &Results, report: &StudyReport) -> String {
         .chars()
         .filter(|c| *c == '\n' || !c.is_control())
         .collect()
+}
+
+/// Renders the sentences of a finding, that with the answer first.
+fn finding(report: &StudyReport) -> Markup {
+    let answer = report.answer.min(report.finding.len());
+    let (before, from) = report.finding.split_at(answer);
+    let (answer, after) = from.split_at(from.len().min(1));
+    let others = [before, after].concat();
+    html! {
+        p.answer { (sentences(answer)) }
+        @if !others.is_empty() { p { (sentences(&others)) } }
+    }
+}
+
+/// Renders a chart under its heading, with its number.
+fn chart(number: usize, chart: &Chart) -> Markup {
+    html! {
+        section.chart {
+            h2 { (chart.title) }
+            figure {
+                div.pan { (PreEscaped(&chart.svg)) }
+                figcaption { b { "Figure " (number) "." } " " (prose_with_terms(&chart.caption)) }
+            }
+        }
+    }
 }
 
 /// Returns the setting that describes a model: its key contains the model's label as scenes write it.

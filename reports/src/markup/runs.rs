@@ -45,8 +45,10 @@ pub fn modes(run: &Run) -> Option<String> {
 }
 
 /// Returns a table of runs by model whose first columns identify the run.
-fn identified<'r>(rows: &'r [Row<'r>]) -> Table<'r, Row<'r>> {
+fn identified<'r>(view: &View<'_>, rows: &'r [Row<'r>]) -> Table<'r, Row<'r>> {
+    let index = |run: &Run| view.results.runs.iter().position(|r| std::ptr::eq(r, run));
     Table::of(rows)
+        .of_runs(|(r, ..)| index(r))
         .grouped(|(_, label, style)| ((*label).into(), *style))
         .classed(|(r, ..)| class(r))
         .text("Integrator", |(r, ..)| r.integrator.clone())
@@ -67,7 +69,7 @@ fn metrics(view: &View<'_>) -> Markup {
     }
     let of = |id: &str| {
         let get = |m: Metric| move |(r, ..): &Row<'_>| r.against(id)?.get(m);
-        let mut table = identified(&rows);
+        let mut table = identified(view, &rows);
         // The errors of whole histories, then those of single numbers.
         for m in Metric::ALL.into_iter().filter(|m| m.is_error()) {
             let heading = capital(&m.short());
@@ -149,7 +151,7 @@ fn work(view: &View<'_>) -> Markup {
     };
     let work = runs::work();
     let events = rows.iter().any(|(r, ..)| r.events > 0);
-    let table = identified(&rows)
+    let table = identified(view, &rows)
         .columns_by_key(
             &work,
             &["wall_s", "steps", "force_evaluations", "setup_s"],
@@ -182,7 +184,7 @@ fn ledger(view: &View<'_>) -> Markup {
     fn of<'a>((r, ..): &Row<'a>) -> Option<&'a Ledger> {
         Some(&r.ledger)
     }
-    let table = identified(&rows)
+    let table = identified(view, &rows)
         .columns_by_key(
             &columns,
             &["energy_start_j", "external_work_j", "dissipated_j"],

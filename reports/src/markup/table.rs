@@ -2,12 +2,13 @@
 //!
 //! The table at a glance always has the columns that identify a row ([`Rank::Key`]) and those with the result
 //! ([`Rank::Result`]), and as many others as fit the page. The remaining columns are in a second table below, with the
-//! same keys. On a narrow screen every row is a card with the headings next to its numbers.
+//! same keys. On a narrow screen a table scrolls in its own box.
 
 use super::column::{Column, Format, PAGE, Rank, width};
 use super::prose;
 use crate::columns::{Column as DeclaredColumn, Columns, Value};
 use crate::drawing::style::mark;
+use crate::glossary::explained;
 use crate::numbers::{
     ABSENT, Prefix, ROUNDING, count, deviation, duration, percent, power, quantity, short,
     significant,
@@ -21,6 +22,8 @@ pub struct Table<'r, R> {
     /// Heading of the group of each row, with the place of its colour.
     groups: Vec<Option<(String, usize)>>,
     classes: Vec<&'static str>,
+    /// Index of the run of each row in the record, by which charts find it.
+    runs: Vec<Option<usize>>,
 }
 
 /// Number of rows from which on a table is folded; all data are in the CSV files.
@@ -36,6 +39,7 @@ impl<'r, R> Table<'r, R> {
             columns: Vec::new(),
             groups: rows.iter().map(|_| None).collect(),
             classes: vec![""; rows.len()],
+            runs: vec![None; rows.len()],
         }
     }
 
@@ -48,6 +52,12 @@ impl<'r, R> Table<'r, R> {
     /// Sets the CSS class of each row.
     pub fn classed(mut self, class: impl Fn(&R) -> &'static str) -> Self {
         self.classes = self.rows.iter().map(class).collect();
+        self
+    }
+
+    /// Sets the index of the run of each row in the record.
+    pub fn of_runs(mut self, index: impl Fn(&R) -> Option<usize>) -> Self {
+        self.runs = self.rows.iter().map(index).collect();
         self
     }
 
@@ -361,12 +371,14 @@ impl<R> Table<'_, R> {
         let rows: Vec<usize> = (0..self.rows.len()).collect();
         let blocks = rows.chunk_by(|a, b| self.groups[*a] == self.groups[*b]);
         html! {
+            // Where a screen is narrower than the table, it scrolls in its box.
+            div.pan {
             table {
                 thead {
                     tr {
                         @for c in columns {
                             th.t[c.text].r[c.rank == Rank::Result] {
-                                (c.heading)
+                                (explained(&c.heading))
                                 @if !c.unit.is_empty() { br; span.unit { (c.unit) } }
                             }
                         }
@@ -378,27 +390,22 @@ impl<R> Table<'_, R> {
                             tr.group { th colspan=(columns.len()) { (mark(*style)) (heading) } }
                         }
                         @for &i in block {
-                            tr class=(self.classes[i]) {
+                            tr class=(self.classes[i]) data-run=[self.runs[i]] {
                                 @for c in columns { (cell(c, i)) }
                             }
                         }
                     }
                 }
             }
+            }
         }
     }
 }
 
-/// Renders a cell; on a narrow screen its heading is next to it, and an empty cell is left out.
+/// Renders a cell.
 fn cell(c: &Column, row: usize) -> Markup {
     let text = c.cells[row].as_deref();
-    let label = match c.unit.as_str() {
-        "" => c.heading.clone(),
-        unit => format!("{} [{unit}]", c.heading),
-    };
-    html! {
-        td.t[c.text].w[c.wraps()].k[c.rank == Rank::Key].none[text.is_none()] data-l=(label) { (prose(text.unwrap_or(ABSENT))) }
-    }
+    html! { td.t[c.text].w[c.wraps()].k[c.rank == Rank::Key] { (prose(text.unwrap_or(ABSENT))) } }
 }
 
 impl<R> Render for Table<'_, R> {

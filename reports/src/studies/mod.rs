@@ -250,6 +250,10 @@ pub fn report(results: &Results) -> Result<StudyReport, DrawError> {
     let (measured, charts) = measured::report(&results.measured, &report.csv)?;
     report.tables = maud::html! { (report.tables) (measured) };
     report.charts.extend(charts);
+    // A study without a choice of its own has its first chart on the first screen.
+    if report.first.is_empty() && !report.charts.is_empty() {
+        report.first.push(report.charts.remove(0));
+    }
     report.distinguish_files();
     Ok(report)
 }
@@ -304,9 +308,13 @@ fn of_part(results: &Results) -> Result<StudyReport, DrawError> {
 pub struct StudyReport {
     /// The finding in plain words: at most four sentences.
     pub finding: Vec<Markup>,
-    /// Sections above the charts.
+    /// Index of the sentence with the answer, which the page shows above the others.
+    pub answer: usize,
+    /// Charts of the first screen, next to each other below the finding: those that the study names, else its first.
+    pub first: Vec<Chart>,
+    /// Sections above the other charts.
     pub tables: Markup,
-    /// Charts, in the order of the page.
+    /// The other charts, in the order of the page.
     pub charts: Vec<Chart>,
     /// Sections below the charts.
     pub details: Markup,
@@ -317,10 +325,16 @@ pub struct StudyReport {
 }
 
 impl StudyReport {
+    /// Returns all charts in the order of the page.
+    pub fn all_charts(&self) -> impl Iterator<Item = &Chart> {
+        self.first.iter().chain(&self.charts)
+    }
+
     /// Makes all file names unique. Names of gears and labels of models that differ in punctuation alone give the same
     /// file name, and so do entries of an edited record.
     fn distinguish_files(&mut self) {
-        let charts = self.charts.iter_mut().map(|c| &mut c.file);
+        let charts = self.first.iter_mut().chain(&mut self.charts);
+        let charts = charts.map(|c| &mut c.file);
         let tables = self.csv.iter_mut().map(|t| &mut t.file);
         let texts = self.texts.iter_mut().map(|(name, _)| name);
         let mut known = std::collections::BTreeSet::new();

@@ -430,8 +430,9 @@ mod tests {
         let again: Results = serde_json::from_str(&json).unwrap();
         assert_eq!(again, results);
         let report = crate::studies::report(&again).unwrap();
-        assert_eq!(report.charts.len(), 1);
-        assert!(report.charts[0].svg.contains("hard contact"));
+        let charts: Vec<_> = report.all_charts().collect();
+        assert_eq!(charts.len(), 1);
+        assert!(charts[0].svg.contains("hard contact"));
         let csv = report.csv[0].text();
         assert!(
             csv.starts_with("model,penalty_pa_per_m,peak_force_n\nelastic,1.0"),

@@ -15,12 +15,16 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
-/// Reads the files of a folder by name.
+/// Script of all pages.
+const SCRIPT: &str = include_str!("../../src/markup/charts.js");
+
+/// Reads the files of a folder by name; pages without the text of their script, which is the same in all.
 fn contents(dir: &Path) -> BTreeMap<String, String> {
     let entries = fs::read_dir(dir).unwrap().map(|e| e.unwrap());
     let file = |e: fs::DirEntry| {
         let name = e.file_name().into_string().unwrap();
-        (name, fs::read_to_string(e.path()).unwrap())
+        let text = fs::read_to_string(e.path()).unwrap();
+        (name, text.replace(SCRIPT, ""))
     };
     entries.map(file).collect()
 }

@@ -282,7 +282,7 @@ fn pairs(meshes: usize) -> Results {
 
 /// Counts the occurrences of a text in a chart.
 fn texts(svg: &str, text: &str) -> usize {
-    svg.lines().filter(|line| *line == text).count()
+    svg.matches(&format!(">{text}</text>")).count()
 }
 
 /// The meshes of a model share a panel, and the legend names them, up to the number that can be distinguished; of more

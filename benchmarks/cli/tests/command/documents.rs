@@ -102,6 +102,7 @@ const LONG: &[(&str, &[&str])] = &[
             "choose my_scene.toml --metric peak --tolerance 0.05",
             "reference my_scene.toml --model fe --out fe.csv --add",
             "report results/my_scene",
+            "view results",
             "rerun results/my_scene",
             "compare pair.toml --yardstick refined",
             "scan pair.toml --vary meshes.1.backlash_m=normal(80e-6,5e-6) --samples 200",

@@ -29,6 +29,7 @@ mod signals;
 mod stiffness;
 mod tables;
 mod terminal;
+mod view;
 mod yardstick;
 
 use std::path::{Path, PathBuf};

@@ -310,6 +310,7 @@ pub(super) fn report(record: &CheckRecord) -> Result<StudyReport, DrawError> {
             ("summary.md".into(), markdown(record)),
             ("junit.xml".into(), junit(record)),
         ],
+        ..StudyReport::default()
     })
 }
 

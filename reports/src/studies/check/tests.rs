@@ -127,6 +127,41 @@ fn junit_is_xml() {
     assert_eq!(text.matches("<failure").count(), 1);
 }
 
+/// Markup in any name is text in the summary, in JUnit's XML, on the page and in the chart.
+#[test]
+fn markup_in_names_is_text() {
+    let evil = "<script>x</script>\"&'</testcase>]]>";
+    let mut record = record();
+    let measured = &mut record.entries[0].measured;
+    for name in [
+        &mut measured.case,
+        &mut measured.scene,
+        &mut measured.model,
+        &mut measured.method,
+    ] {
+        *name = evil.into();
+    }
+    record.entries[0].findings[1].what = evil.into();
+    record.history[0].entry = evil.into();
+    record.file = evil.into();
+    let page = report(&record).unwrap();
+    let texts = [
+        markdown(&record),
+        junit(&record),
+        page.tables.0.clone() + &page.details.0,
+        page.charts[0].svg.clone(),
+    ];
+    for text in texts {
+        assert!(text.contains("&lt;script"), "{text}");
+        assert!(!text.contains("<script") && !text.contains("]]>"), "{text}");
+    }
+    let text = junit(&record);
+    assert_eq!(
+        text.matches("<testcase").count(),
+        text.matches("</testcase>").count()
+    );
+}
+
 #[test]
 fn nothing_moved_holds() {
     let mut record = record();

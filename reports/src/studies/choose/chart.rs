@@ -54,12 +54,12 @@ pub fn choose(choice: &ChoiceRecord) -> Result<Option<Chart>, DrawError> {
     let (low, high) = extremes(points.iter().map(|p| p.error).chain([limit]));
     let y = Axis::logarithmic(low, high);
     let names: Vec<(&str, usize)> = families.iter().copied().zip(0..).collect();
-    let top = 6.0 + scatter::key_height(&names) + scatter::failures_height(failed.len());
+    let top = 6.0 + scatter::key_height(&names, WIDTH) + scatter::failures_height(failed.len());
     let area = Rect::new(LEFT, top, WIDTH - RIGHT, top + 360.0);
     let title = "Estimated error against predicted cost";
     let svg = draw(WIDTH, area.y1 + 46.0, title, |c| {
-        scatter::key(c, &names, false);
-        scatter::failures(c, &failed, top, "choose.csv");
+        scatter::key(c, &names, WIDTH, false);
+        scatter::failures(c, &failed, WIDTH, top, "choose.csv");
         let frame = Frame { area, x, y };
         let name = format!("estimated error of the {} [%]", choice.metric_title);
         let cost = format!("processor time for the whole scene [{}s]", prefix.symbol);

@@ -1,22 +1,25 @@
 //! Cost of runs: processor time per run, and error over processor time. Failed runs are drawn as failures.
 
+use super::ERROR_WIDTH;
 use crate::drawing::Chart;
 use crate::drawing::axis::{Axis, Frame, TICK_SIZE};
-use crate::drawing::canvas::{Anchor, Canvas, DrawError, Ink, Stroke, Type, draw, text_width};
+use crate::drawing::canvas::{
+    Anchor, Canvas, DrawError, Ink, Stroke, Type, draw, draw_with, text_width,
+};
 use crate::drawing::geometry::Rect;
 use crate::drawing::labels::OccupiedArea;
 use crate::drawing::panel::{LEFT, RIGHT, WIDTH, extremes};
 use crate::drawing::scatter::{self, Numbers};
 use crate::drawing::style::{cross, curve_style, marker};
 use crate::numbers::{Prefix, quantity, short};
-use crate::record::{Run, Status};
+use crate::record::{ReferenceSeries, Run, Status};
 use crate::view::{NOTHING, View, capital, resolution};
 
 const ROW: f64 = 19.0;
 const HEAD: f64 = 27.0;
-const BARS_LEFT: f64 = 262.0;
-/// Space for the time and the status of the longest bar, .
-const BARS_RIGHT: f64 = 146.0;
+const BARS_LEFT: f64 = 304.0;
+/// Space for the time and the status of the longest bar.
+const BARS_RIGHT: f64 = 152.0;
 
 fn measured(run: &Run) -> bool {
     run.cost_s().is_finite() && run.cost_s() > 0.0
@@ -31,6 +34,12 @@ pub fn runtime(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
     if view.results.runs.is_empty() {
         return Ok(None);
     }
+    let stored: Vec<&ReferenceSeries> = (view.results.references.iter())
+        .filter(|r| stored_cost(r).is_some())
+        .collect();
+    let times: Vec<f64> = (times.into_iter())
+        .chain(stored.iter().filter_map(|r| stored_cost(r)))
+        .collect();
     let (least, most) = extremes(times.iter().copied());
     let prefix = Prefix::of(
         if least > 0.0 && least.is_finite() {
@@ -51,7 +60,10 @@ pub fn runtime(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
     };
     let rows = view.results.runs.len() as f64;
     let heads = view.groups.len() as f64;
-    let body = rows * ROW + heads * HEAD;
+    let mut body = rows * ROW + heads * HEAD;
+    if !stored.is_empty() {
+        body += HEAD + stored.len() as f64 * ROW;
+    }
     let area = Rect::new(BARS_LEFT, 6.0, WIDTH - BARS_RIGHT, 6.0 + body + 6.0);
     let title = "Processor time per run";
     let svg = draw(WIDTH, area.y1 + 46.0, title, |c| {
@@ -80,20 +92,83 @@ pub fn runtime(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
                 y += ROW;
             }
         }
+        if !stored.is_empty() {
+            let bold = Type::new(13.5, Anchor::Start).bold();
+            c.text("Stored references", (20.0, y + 0.6 * HEAD), bold);
+            y += HEAD;
+        }
+        for reference in stored {
+            stored_bar(c, &frame, view, reference, y, prefix);
+            y += ROW;
+        }
     })?;
+    let other = match view
+        .results
+        .references
+        .iter()
+        .any(|r| stored_cost(r).is_some())
+    {
+        true => {
+            " Grey bars of stored references are the processor time of another program, on the machine where they were computed."
+        }
+        false => "",
+    };
     let scale = if log { " (logarithmic axis)" } else { "" };
     Ok(Some(Chart {
         file: "runtime.svg".into(),
         title: title.into(),
         caption: format!(
             "Median processor time of the repeats{scale}, fixed costs not included. Bars of implicit methods are lighter, outlined bars are beyond the scene's tolerance. \
-             Hatched rows failed: the time at which a run failed is not a cost, so no bar is drawn."
+             Hatched rows failed: the time at which a run failed is not a cost, so no bar is drawn.{other}"
         ),
         svg,
     }))
 }
 
-fn bar(c: &mut Canvas<'_>, frame: &Frame, run: &Run, style: usize, y: f64, prefix: Prefix) {
+/// Returns the processor time of another program for a stored reference [s], where it is known.
+fn stored_cost(reference: &ReferenceSeries) -> Option<f64> {
+    let by_program = reference.command.is_some();
+    reference
+        .cpu_s
+        .filter(|t| by_program && t.is_finite() && *t > 0.0)
+}
+
+/// Draws the bar of a stored reference, which another program computed on a machine of its own.
+fn stored_bar(
+    c: &mut Canvas,
+    frame: &Frame,
+    view: &View<'_>,
+    reference: &ReferenceSeries,
+    y: f64,
+    prefix: Prefix,
+) {
+    let Some(seconds) = stored_cost(reference) else {
+        return;
+    };
+    let middle = y + 0.5 * ROW;
+    let name = view.reference_name(&reference.id);
+    let fits =
+        |n: usize| text_width(&name.chars().take(n).collect::<String>(), 12.5) < BARS_LEFT - 40.0;
+    let kept = (0..=name.chars().count())
+        .rev()
+        .find(|n| fits(*n))
+        .unwrap_or(0);
+    let mut label: String = name.chars().take(kept).collect();
+    if kept < name.chars().count() {
+        label.push('\u{2026}');
+    }
+    c.text(&label, (20.0, middle), Type::new(12.5, Anchor::Start));
+    let full = frame.area;
+    let (end, _) = frame.at(seconds * prefix.factor, 0.0);
+    let rect = Rect::new(full.x0, y + 3.0, end.max(full.x0 + 1.0), y + ROW - 3.0);
+    c.fill(&rect, Ink::PALE);
+    c.frame(&rect, Stroke::new(Ink::DARK, 1.0));
+    let text = format!("{}, other program", quantity(seconds, "s", 3));
+    let kind = Type::new(12.5, Anchor::Start);
+    c.text(&text, (rect.x1 + 7.0, middle), kind);
+}
+
+fn bar(c: &mut Canvas, frame: &Frame, run: &Run, style: usize, y: f64, prefix: Prefix) {
     let middle = y + 0.5 * ROW;
     let label = Type::new(12.5, Anchor::Start);
     c.text(&run.integrator, (20.0, middle), label);
@@ -141,16 +216,48 @@ fn bar(c: &mut Canvas<'_>, frame: &Frame, run: &Run, style: usize, y: f64, prefi
     c.text(&text, (rect.x1 + 7.0, middle), kind);
 }
 
+/// A run in the chart of errors over processor time.
+struct Point<'a> {
+    /// Index of the look of its model.
+    style: usize,
+    /// Index of the run in the record.
+    index: usize,
+    run: &'a Run,
+    error: f64,
+}
+
+impl Point<'_> {
+    /// Returns model, method, error and cost as a text.
+    fn text(&self, view: &View<'_>) -> String {
+        format!(
+            "{} under {}, {}: {} in {}",
+            self.run.model_label(),
+            self.run.integrator,
+            resolution(self.run),
+            view.error_text(self.error),
+            quantity(self.run.cost_s(), "s", 3)
+        )
+    }
+}
+
 /// Draws the error over processor time, a point per run.
 pub fn accuracy(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
     let Some(against) = &view.against else {
         return Ok(None);
     };
-    let good: Vec<(usize, &Run, f64)> = (view.groups.iter())
-        .flat_map(|g| g.runs.iter().map(move |(_, r)| (g.style, *r)))
-        .filter(|(_, r)| !r.status.is_failure() && measured(r))
-        .filter_map(|(s, r)| Some((s, r, view.error(r)?)))
-        .filter(|p| p.2 > NOTHING)
+    let good: Vec<Point<'_>> = (view.groups.iter())
+        .flat_map(|g| g.runs.iter().map(move |(i, r)| (g.style, *i, *r)))
+        .filter(|(.., r)| !r.status.is_failure() && measured(r))
+        .filter_map(|(style, index, run)| {
+            let error = view.error(run)?;
+            Some(Point {
+                style,
+                index,
+                run,
+                error,
+            })
+        })
+        .filter(|p| p.error > NOTHING)
         .collect();
     if good.is_empty() {
         return Ok(None);
@@ -175,48 +282,77 @@ pub fn accuracy(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
     let relative = view.metric.unit().is_empty();
     let factor = if relative { 100.0 } else { 1.0 };
     let limit = (view.results.tolerance.as_ref()).map(|t| t.limit * factor);
-    let (low, high) = extremes(good.iter().map(|p| p.2 * factor));
+    let (low, high) = extremes(good.iter().map(|p| p.error * factor));
     let high = limit.map_or(high, |l| high.max(l));
     let y = if high > 8.0 * low {
         Axis::logarithmic(low, high)
     } else {
         Axis::from_zero(high)
     };
-    let (fast, slow) = extremes(good.iter().map(|p| p.1.cost_s() * 1e3));
+    let (fast, slow) = extremes(good.iter().map(|p| p.run.cost_s() * 1e3));
     let x = Axis::logarithmic(fast, slow);
-    let numbers = Numbers::of(good.iter().map(|p| p.1.integrator.as_str()));
-    let top = 6.0 + scatter::key_height(&models) + scatter::failures_height(failed.len());
-    let area = Rect::new(LEFT, top, WIDTH - RIGHT, top + 330.0);
+    let numbers = Numbers::of(good.iter().map(|p| p.run.integrator.as_str()), ERROR_WIDTH);
+    let top =
+        6.0 + scatter::key_height(&models, ERROR_WIDTH) + scatter::failures_height(failed.len());
+    let area = Rect::new(LEFT, top, ERROR_WIDTH - RIGHT, top + 300.0);
     let reference = view.reference_name(against);
     let title = format!("Error against {reference}, over processor time");
     let unit = if relative { "%" } else { view.metric.unit() };
     let below = area.y1 + 46.0;
-    let svg = draw(WIDTH, below + numbers.height(), &title, |c| {
-        scatter::key(c, &models, true);
-        scatter::failures(c, &failed, top, "the table of failures");
-        let frame = Frame { area, x, y };
-        frame.paint(c, "processor time [ms]", &view.metric.axis(), true);
-        let mut room = OccupiedArea::of(area);
-        let tolerance = limit.map(|l| (scatter::tolerance(c, &frame, l, &mut room), l));
-        let points: Vec<(f64, f64)> = (good.iter())
-            .map(|(_, r, e)| frame.at(r.cost_s() * 1e3, e * factor))
-            .collect();
-        for p in &points {
-            room.occupy_point(*p, 6.0);
-        }
-        let small = Type::new(TICK_SIZE, Anchor::Start);
-        if let Some((y, limit)) = tolerance {
-            let text = format!("tolerance {} {unit}", short(limit, 3));
-            room.write_along(c, &text, y, small.ink(Ink::GREY));
-        }
-        for ((_, run, _), p) in good.iter().zip(&points) {
-            room.write(c, &numbers.text(&run.integrator), *p, small);
-        }
-        for ((style, run, _), p) in good.iter().zip(&points) {
-            marker(c, *p, 5.2, curve_style(*style), !run.implicit);
-        }
-        numbers.paint(c, below);
-    })?;
+    let panels = [("class", "panels".to_owned())];
+    let svg = draw_with(
+        ERROR_WIDTH,
+        below + numbers.height(),
+        &title,
+        &panels,
+        |c| {
+            scatter::key(c, &models, ERROR_WIDTH, true);
+            scatter::failures(c, &failed, ERROR_WIDTH, top, "the table of failures");
+            let frame = Frame { area, x, y };
+            let (x_name, y_name) = ("processor time [ms]", view.metric.axis());
+            c.group(&frame.attributes("panel", x_name, &y_name, ""), |c| {
+                frame.paint(c, x_name, &y_name, true);
+                let mut room = OccupiedArea::of(area);
+                let notes = [("class", "notes".to_owned())];
+                let points: Vec<(f64, f64)> = (good.iter())
+                    .map(|p| frame.at(p.run.cost_s() * 1e3, p.error * factor))
+                    .collect();
+                c.group(&notes, |c| {
+                    let tolerance = limit.map(|l| (scatter::tolerance(c, &frame, l, &mut room), l));
+                    for p in &points {
+                        room.occupy_point(*p, 6.0);
+                    }
+                    let small = Type::new(TICK_SIZE, Anchor::Start);
+                    if let Some((y, limit)) = tolerance {
+                        let text = format!("tolerance {} {unit}", short(limit, 3));
+                        room.write_along(c, &text, y, small.ink(Ink::GREY));
+                    }
+                    for (point, p) in good.iter().zip(&points) {
+                        room.write(c, &numbers.text(&point.run.integrator), *p, small);
+                    }
+                });
+                for (point, (x, y)) in good.iter().zip(&points) {
+                    let attributes = [
+                        ("class", "point".to_owned()),
+                        ("data-at", format!("{x:.3} {y:.3}")),
+                        ("data-entry", point.style.to_string()),
+                        ("data-run", point.index.to_string()),
+                    ];
+                    c.group(&attributes, |c| {
+                        c.title(&point.text(view));
+                        marker(
+                            c,
+                            (*x, *y),
+                            5.2,
+                            curve_style(point.style),
+                            !point.run.implicit,
+                        );
+                    });
+                }
+            });
+            numbers.paint(c, below);
+        },
+    )?;
     Ok(Some(Chart {
         file: "accuracy.svg".into(),
         title,

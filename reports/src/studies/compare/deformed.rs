@@ -142,7 +142,7 @@ fn outline(sections: &[&DeformedSection], times: f64) -> (Vec<[f64; 2]>, Vec<[f6
 }
 
 /// Paints the scale bars of lengths and of displacements.
-fn bars(c: &mut Canvas<'_>, area: &Rect, scale: f64, times: f64, most: f64) {
+fn bars(c: &mut Canvas, area: &Rect, scale: f64, times: f64, most: f64) {
     let rows = [
         (nice_step(55.0 / scale), scale, "length"),
         (nice_step(most), scale * times, "displacement"),

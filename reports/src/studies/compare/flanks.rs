@@ -104,10 +104,10 @@ fn axes(load: &FlankLoad) -> [Axis; 2] {
 
 /// Paints the map of a flank: background, axes, the content that `paint` draws, edge.
 fn map(
-    c: &mut Canvas<'_>,
+    c: &mut Canvas,
     (load, area, first): (&FlankLoad, Rect, bool),
     name: &str,
-    paint: impl FnOnce(&mut Canvas<'_>, &Frame),
+    paint: impl FnOnce(&mut Canvas, &Frame),
 ) {
     let [x, y] = axes(load);
     let frame = Frame { area, x, y };
@@ -138,7 +138,7 @@ fn map(
 }
 
 /// Paints the colour bar next to the maps of a model.
-fn bar(c: &mut Canvas<'_>, (y0, y1): (f64, f64), value: FlankValue, greatest: f64) {
+fn bar(c: &mut Canvas, (y0, y1): (f64, f64), value: FlankValue, greatest: f64) {
     const PARTS: usize = 48;
     let x = WIDTH - BAR + 8.0;
     let prefix = Prefix::of(greatest, 1.0);
@@ -168,7 +168,7 @@ fn bar(c: &mut Canvas<'_>, (y0, y1): (f64, f64), value: FlankValue, greatest: f6
 }
 
 /// Paints a patch of contact; a contact line has a visible least height.
-fn patch(c: &mut Canvas<'_>, frame: &Frame, p: &FlankPatch, greatest: f64) {
+fn patch(c: &mut Canvas, frame: &Frame, p: &FlankPatch, greatest: f64) {
     let half = p.size_m.map(|s| 0.5e3 * s);
     let (x, y) = (1e3 * p.height_m, 1e3 * p.roll_m);
     let (x0, y0) = frame.at(x - half[1], y + half[0]);
@@ -186,7 +186,7 @@ fn patch(c: &mut Canvas<'_>, frame: &Frame, p: &FlankPatch, greatest: f64) {
     }
 }
 
-fn heading(c: &mut Canvas<'_>, b: &PeakLoads<'_>, y: f64, tail: &str) {
+fn heading(c: &mut Canvas, b: &PeakLoads<'_>, y: f64, tail: &str) {
     marker(c, (9.0, y), 5.2, curve_style(b.style), true);
     let text = format!("{} ({}){tail}", b.label, b.run.integrator);
     c.text(&text, (21.0, y), Type::new(13.5, Anchor::Start).bold());

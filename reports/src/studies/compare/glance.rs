@@ -103,6 +103,18 @@ pub fn glance(view: &View<'_>) -> Markup {
             view.verdict(run).map(|v| v.to_string())
         })
         .result()
+        .text("Most accurate run", |row| {
+            let (_, run) = row.of.filter(|(_, r)| !view.is_yardstick(r))?;
+            view.error(run).filter(|_| of_models)?;
+            Some(named(run))
+        })
+        .result()
+        .written("Its processor time", "", |row| {
+            let (_, run) = row.of.filter(|(_, r)| !view.is_yardstick(r))?;
+            view.error(run).filter(|_| of_models)?;
+            Some(quantity(run.cost_s(), "s", 3))
+        })
+        .result()
         .text("Cheapest adequate run", |row| {
             view.cheapest(row.of?.0).map(|(_, r)| named(r))
         })
@@ -127,7 +139,7 @@ pub fn glance(view: &View<'_>) -> Markup {
         });
     let against = match &view.against {
         Some(id) if of_models => format!(
-            "Errors are the {} against {}, of the run with the least error. {}",
+            "Errors are the {} against {}, of the most accurate run of each model. {}",
             view.metric.words(),
             view.reference_name(id),
             if view.results.runs.iter().any(|r| view.is_fitted(r)) {

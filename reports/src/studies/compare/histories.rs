@@ -3,12 +3,13 @@
 //! A quantity with a history per mesh (or gear) has one of two layouts: a panel for each model with all meshes, or,
 //! where a panel would have too many curves, a panel for each mesh with all models.
 
+use super::FORCE_WIDTH;
 use super::window::{TimeAxis, busy_window, contact_window, peak_of, time_axis};
 use crate::drawing::Chart;
 use crate::drawing::axis::Axis;
 use crate::drawing::canvas::{DrawError, Ink, Stroke};
 use crate::drawing::legend::Entry;
-use crate::drawing::panel::{Curve, Panel, chart, extremes};
+use crate::drawing::panel::{Curve, Panel, chart, chart_of_width, extremes};
 use crate::drawing::style::{model_stroke, reference_stroke};
 use crate::numbers::{Prefix, per_cent, quantity};
 use crate::record::{ReferenceSeries, Run};
@@ -411,7 +412,7 @@ pub fn force(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
     }
     let mut panels = Vec::new();
     match (&h.zoom, several) {
-        (None, false) => panels.push(together(&h.time, 240.0)),
+        (None, false) => panels.push(together(&h.time, 230.0)),
         (None, true) => panels.extend(of_meshes(&h.time, 150.0)),
         (Some(zoom), true) => {
             panels.extend(of_meshes(&h.time, 88.0));
@@ -478,7 +479,7 @@ pub fn force(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
         legend.extend(h.legend());
     }
     let title = "Contact force over time";
-    chart("force.svg", title, caption, &legend, &panels).map(Some)
+    chart_of_width(FORCE_WIDTH, "force.svg", title, caption, &legend, &panels).map(Some)
 }
 
 fn residual(
@@ -511,7 +512,7 @@ fn residual(
     let name = format!("model \u{2212} ref. [{}N]", unit.symbol);
     Panel {
         x_name: Some(time.name.clone()),
-        ..Panel::new(150.0, &time.axis, &name)
+        ..Panel::new(120.0, &time.axis, &name)
             .remark("difference after time alignment")
             .curves(std::iter::once(zero).chain(lines))
             .close()

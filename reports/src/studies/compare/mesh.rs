@@ -134,7 +134,7 @@ fn focus(s: &ContactSnapshot) -> Option<((f64, f64), f64)> {
     (half > 0.0).then_some((centre, half))
 }
 
-fn panel(c: &mut Canvas<'_>, p: &Picture<'_>, area: Rect) {
+fn panel(c: &mut Canvas, p: &Picture<'_>, area: Rect) {
     let heading = format!("{} ({})", p.label, p.run.integrator);
     marker(c, (area.x0 + 8.0, 14.0), 5.2, curve_style(p.style), true);
     let bold = Type::new(13.5, Anchor::Start).bold();
@@ -238,7 +238,7 @@ fn by_pair(contacts: &[ContactPoint]) -> Vec<ContactPoint> {
 
 /// Draws the force of every pair as an arrow and returns the texts, each with the point of its arrow.
 fn arrows(
-    c: &mut Canvas<'_>,
+    c: &mut Canvas,
     p: &Picture<'_>,
     at: &dyn Fn([f64; 2]) -> (f64, f64),
     area: &Rect,
@@ -291,7 +291,7 @@ fn arrows(
     labels
 }
 
-fn scale_bar(c: &mut Canvas<'_>, scale: f64, area: &Rect, room: &mut OccupiedArea) {
+fn scale_bar(c: &mut Canvas, scale: f64, area: &Rect, room: &mut OccupiedArea) {
     let length = nice_step(55.0 / scale);
     let width = length * scale;
     let (x, y) = (area.x0 + 16.0, area.y1 - 16.0);

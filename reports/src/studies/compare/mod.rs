@@ -25,6 +25,11 @@ use maud::html;
 use serde::{Deserialize, Serialize};
 pub use yardstick::{Kind, Yardstick};
 
+/// Width of the chart of the force \[page units\], which is next to the chart of the errors on a screen.
+const FORCE_WIDTH: f64 = 640.0;
+/// Width of the chart of the errors over cost \[page units\].
+const ERROR_WIDTH: f64 = 500.0;
+
 /// The part of a record that is specific to a comparison.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
@@ -40,23 +45,28 @@ pub struct CompareRecord {
 
 /// Returns the report of a comparison.
 pub(super) fn report(view: &View<'_>, part: &CompareRecord) -> Result<StudyReport, DrawError> {
-    let before = [
+    let first = [
         histories::force(view)?,
-        pressure::pressure(view)?,
+        cost::accuracy(view)?,
         histories::speeds(view)?,
+    ];
+    let before = [
+        cost::runtime(view)?,
+        pressure::pressure(view)?,
         transmission::error(view)?,
         teeth::teeth(view)?,
         channels::channels(view)?,
         paths::shares(view)?,
         mesh::mesh(view)?,
     ];
-    let behind = [cost::runtime(view)?, cost::accuracy(view)?];
     let charts = (before.into_iter().flatten())
         .chain(flanks::flanks(view)?)
-        .chain(deformed::deformed(view)?)
-        .chain(behind.into_iter().flatten());
+        .chain(deformed::deformed(view)?);
     Ok(StudyReport {
         finding: finding::finding(view),
+        // The sentence on the yardstick is first.
+        answer: usize::from(view.yardstick.is_some()),
+        first: first.into_iter().flatten().collect(),
         tables: html! { (glance::glance(view)) (timing::timing(view, part)) (meshes::table(view)) (paths::tables(view)) },
         charts: charts.collect(),
         details: runs::all(view),

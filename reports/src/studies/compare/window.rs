@@ -15,7 +15,8 @@ pub(super) struct TimeAxis {
 pub(super) fn time_axis(window: (f64, f64)) -> TimeAxis {
     let prefix = Prefix::of(window.1.abs().max(window.0.abs()), 1.0);
     TimeAxis {
-        axis: Axis::linear(window.0 * prefix.factor, window.1 * prefix.factor),
+        axis: Axis::linear(window.0 * prefix.factor, window.1 * prefix.factor)
+            .of_time(1.0 / prefix.factor),
         factor: prefix.factor,
         name: format!("time [{}s]", prefix.symbol),
     }

@@ -118,7 +118,7 @@ fn shares(v: &ModelModes, modes: &[&ModeRecord]) -> Result<Chart, DrawError> {
     })
 }
 
-fn paint_share(c: &mut Canvas<'_>, r: &Rect, share: f64, style: usize) {
+fn paint_share(c: &mut Canvas, r: &Rect, share: f64, style: usize) {
     let full = share.clamp(0.0, 1.0);
     let ink = curve_style(style).ink;
     c.fill(
@@ -202,7 +202,7 @@ fn shapes(v: &ModelModes, modes: &[&ModeRecord]) -> Result<Option<Chart>, DrawEr
 
 /// Paints a gear in its initial and in its displaced position, with a mark that shows its turn.
 fn paint_gear(
-    c: &mut Canvas<'_>,
+    c: &mut Canvas,
     p: &MemberPlace,
     s: &MemberShape,
     by: f64,
@@ -232,7 +232,7 @@ fn paint_gear(
     );
     // A turn is drawn no larger than a third of a turn round.
     let turn = (by * s.turn_rad).clamp(-2.0, 2.0);
-    let spoke = |x: f64, y: f64, angle: f64, stroke: Stroke, c: &mut Canvas<'_>| {
+    let spoke = |x: f64, y: f64, angle: f64, stroke: Stroke, c: &mut Canvas| {
         let (sin, cos) = angle.sin_cos();
         c.line(
             &[at(x, y), at(x + p.radius_m * cos, y + p.radius_m * sin)],
@@ -247,7 +247,7 @@ fn paint_gear(
     }
 }
 
-fn arrow(c: &mut Canvas<'_>, from: (f64, f64), to: (f64, f64), ink: Ink) {
+fn arrow(c: &mut Canvas, from: (f64, f64), to: (f64, f64), ink: Ink) {
     let (dx, dy) = (to.0 - from.0, to.1 - from.1);
     let length = dx.hypot(dy);
     if length < 1.5 {

@@ -100,7 +100,7 @@ fn marks(run: &ModelRunUp, by: MapAbscissa, x: &Axis) -> Vec<MarkedLine> {
 
 /// Paints lines clipped to the map, and their names where there is space: at the right, or above where they end at the
 /// top.
-fn paint_marks(c: &mut Canvas<'_>, frame: &Frame, marks: &[MarkedLine]) {
+fn paint_marks(c: &mut Canvas, frame: &Frame, marks: &[MarkedLine]) {
     let area = frame.area;
     let (mut right, mut above): (Vec<f64>, Vec<[f64; 2]>) = (Vec::new(), Vec::new());
     for m in marks {
@@ -177,7 +177,8 @@ fn maps(run: &ModelRunUp, channel: &RunUpChannel) -> Result<Chart, DrawError> {
     let tall = ABOVE + MAP + BELOW;
     let (low, high) = extremes(panels.iter().flat_map(|p| p.1.speed_rad_s.iter().copied()));
     let x = Axis::linear(low, high);
-    let bar_name = format!("[{}{}]", prefix.symbol, channel.unit);
+    let unit = format!("{}{}", prefix.symbol, channel.unit);
+    let bar_name = format!("[{unit}]");
     let svg = draw(WIDTH, 2.0 * tall, &title, |c| {
         for (i, (by, map, lines, columns)) in panels.iter().enumerate() {
             let y0 = tall * i as f64 + ABOVE;
@@ -198,9 +199,13 @@ fn maps(run: &ModelRunUp, channel: &RunUpChannel) -> Result<Chart, DrawError> {
                 y: lines,
                 columns,
                 scale: &scale,
+                unit: &unit,
             };
             heat.paint(c, &frame);
-            paint_axes(c, &frame, [&x_name, &y_name]);
+            // Both maps have the speed as their abscissa, which the lower one names.
+            let speed = format!("speed of {} [rad/s]", run.gear);
+            let attributes = frame.attributes("map", &speed, &y_name, "");
+            c.group(&attributes, |c| paint_axes(c, &frame, [&x_name, &y_name]));
             paint_marks(c, &frame, &marks(run, *by, &x));
             let bar = Rect::new(WIDTH - BAR + 14.0, y0 + 16.0, WIDTH - BAR + 32.0, y0 + MAP);
             colour_bar(c, bar, &scale, &bar_name);
@@ -223,7 +228,7 @@ fn maps(run: &ModelRunUp, channel: &RunUpChannel) -> Result<Chart, DrawError> {
 }
 
 /// Paints ticks and names outside of a map, without the grid that would cover it.
-fn paint_axes(c: &mut Canvas<'_>, frame: &Frame, [x_name, y_name]: [&str; 2]) {
+fn paint_axes(c: &mut Canvas, frame: &Frame, [x_name, y_name]: [&str; 2]) {
     use crate::drawing::axis::{NAME_SIZE, tick_label};
     let r = frame.area;
     let small = |anchor| Type::new(TICK_SIZE, anchor).ink(Ink::GREY);

@@ -33,14 +33,14 @@ pub(super) fn families(
     }
     let models = models_of(study, &cloud);
     let models: Vec<(&str, usize)> = models.iter().map(|(s, m)| (m.as_str(), *s)).collect();
-    let numbers = Numbers::of(cloud.shown.iter().map(|s| s.run.integrator.as_str()));
-    let top = scatter::key_height(&models);
+    let numbers = Numbers::of(cloud.shown.iter().map(|s| s.run.integrator.as_str()), WIDTH);
+    let top = scatter::key_height(&models, WIDTH);
     let area = Rect::new(LEFT, top, WIDTH - RIGHT, top + PLOT);
     let reference = view.reference_name(against);
     let title = format!("The best of each model and integrator against {against}");
     let below = area.y1 + 46.0;
     let svg = draw(WIDTH, below + numbers.height(), &title, |c| {
-        scatter::key(c, &models, true);
+        scatter::key(c, &models, WIDTH, true);
         let frame = scale.frame(area);
         frame.paint(c, scale.x_name, &metric.axis(), true);
         let mut room = OccupiedArea::of(area);

@@ -44,13 +44,13 @@ pub(super) fn integration(
         .map(|p| (study.models[p.0].as_str(), p.0))
         .collect();
     let shown = panels.iter().flat_map(|p| &p.2);
-    let numbers = Numbers::of(shown.map(|s| s.run.integrator.as_str()));
-    let top = scatter::key_height(&models) + ABOVE;
+    let numbers = Numbers::of(shown.map(|s| s.run.integrator.as_str()), WIDTH);
+    let top = scatter::key_height(&models, WIDTH) + ABOVE;
     let title = "Error of integration by model, over processor time";
     let pitch = SMALL + 34.0 + ABOVE;
     let below = top + pitch * rows as f64 + 14.0;
     let svg = draw(WIDTH, below + numbers.height(), title, |c| {
-        scatter::key(c, &models, true);
+        scatter::key(c, &models, WIDTH, true);
         numbers.paint(c, below);
         for (k, (style, modes, shown)) in panels.iter().enumerate() {
             let x0 = LEFT + (k % 2) as f64 * (width + gap);
@@ -123,7 +123,7 @@ fn busiest(shown: &[&WorkPrecisionPoint<'_>]) -> Option<usize> {
 }
 
 fn panel(
-    c: &mut Canvas<'_>,
+    c: &mut Canvas,
     numbers: &Numbers<'_>,
     scale: &Scale,
     (area, last): (Rect, bool),

@@ -118,7 +118,7 @@ fn translucent(look: CurveStyle) -> CurveStyle {
 
 /// Paints the staircase of a front: all points above and to the right of it are dominated.
 fn staircase(
-    c: &mut Canvas<'_>,
+    c: &mut Canvas,
     frame: &Frame,
     scale: &Scale,
     points: &[Point],
@@ -156,7 +156,7 @@ fn all_runs(
     let reasons = cloud.reasons();
     let models = models_of(study, &cloud);
     let models: Vec<(&str, usize)> = models.iter().map(|(s, m)| (m.as_str(), *s)).collect();
-    let top = scatter::key_height(&models);
+    let top = scatter::key_height(&models, WIDTH);
     let strip = strip_height(&reasons);
     let area = Rect::new(LEFT, top + strip, WIDTH - RIGHT, top + strip + PLOT);
     let reference = view.reference_name(against);
@@ -171,7 +171,7 @@ fn all_runs(
     };
     let title = format!("{} against {short}, over {over}", capital(metric.words()));
     let svg = draw(WIDTH, area.y1 + 46.0, &title, |c| {
-        scatter::key(c, &models, true);
+        scatter::key(c, &models, WIDTH, true);
         let edge = Rect::new(LEFT, top, WIDTH - RIGHT, top + strip - 8.0);
         failures(c, &reasons, &edge);
         let frame = scale.frame(area);
@@ -289,7 +289,7 @@ fn strip_height(reasons: &[(Status, Vec<(&Run, usize)>)]) -> f64 {
 }
 
 /// Paints failed runs in their strip, a row per reason.
-fn failures(c: &mut Canvas<'_>, reasons: &[(Status, Vec<(&Run, usize)>)], edge: &Rect) {
+fn failures(c: &mut Canvas, reasons: &[(Status, Vec<(&Run, usize)>)], edge: &Rect) {
     if reasons.is_empty() {
         return;
     }

@@ -64,7 +64,7 @@ pub const KINDS: [(LineKind, &str, &[f64]); 3] = [
 ];
 
 /// Paints a line of theory that is readable on every colour.
-pub fn theory_line(c: &mut Canvas<'_>, points: &[(f64, f64)], frame: &Rect, kind: LineKind) {
+pub fn theory_line(c: &mut Canvas, points: &[(f64, f64)], frame: &Rect, kind: LineKind) {
     let dash = (KINDS.iter())
         .find(|k| k.0 == kind)
         .map_or(&[][..], |k| k.2);
@@ -73,7 +73,7 @@ pub fn theory_line(c: &mut Canvas<'_>, points: &[(f64, f64)], frame: &Rect, kind
 }
 
 /// Paints the mark of the largest stable step.
-pub fn limit_mark(c: &mut Canvas<'_>, (x, y): (f64, f64)) {
+pub fn limit_mark(c: &mut Canvas, (x, y): (f64, f64)) {
     let shape = |r: f64| [(x, y - r), (x + r, y), (x, y + r), (x - r, y)];
     c.polygon(&shape(6.2), Ink::WHITE);
     c.polygon(&shape(4.4), Ink::DARK);
@@ -112,7 +112,7 @@ pub fn legend_height(entries: &[Entry]) -> f64 {
 }
 
 /// Paints a legend from `y` downwards.
-pub fn legend(c: &mut Canvas<'_>, entries: &[Entry], y: f64) {
+pub fn legend(c: &mut Canvas, entries: &[Entry], y: f64) {
     for (entry, (x, row)) in entries.iter().zip(places(entries)) {
         let y = y + ROW * (row as f64 + 0.5);
         let sample = Rect::new(x, y - 7.5, x + 22.0, y + 7.5);

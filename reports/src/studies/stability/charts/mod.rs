@@ -258,6 +258,7 @@ fn paint(maps: &[&Map]) -> Result<String, DrawError> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::numbers::quantity;
     use crate::record::{Part, Results, StudyHeader};
     use crate::studies::stability::{
         Cell, Columns, MapAxis, MapLine, SelfReference, StabilityRecord,
@@ -336,7 +337,7 @@ mod tests {
             assert!(!chart.svg.contains("NaN") && !chart.svg.contains("<b>"));
             for status in Status::ALL {
                 let letter = label_style::label_style(status).letter;
-                let written = format!(">\n{letter}\n<");
+                let written = format!(">{letter}</text>");
                 assert!(
                     letter.is_empty() || chart.svg.contains(&written),
                     "{letter}"
@@ -345,8 +346,21 @@ mod tests {
             }
         }
         assert!(charts[1].svg.contains("theory: stability limit"));
+        // Each cell of each row has the values of its row and column, its label and the reason for it.
+        let cells: usize = maps.iter().map(|m| m.cells.len()).sum();
+        let figures = charts[1..]
+            .iter()
+            .map(|c| c.svg.matches("class=\"cell\">\n<title>").count());
+        assert_eq!(figures.sum::<usize>(), cells);
+        let cell = &maps[0].cells[1];
+        let text = format!("step {}: {}", quantity(cell.at, "s", 3), cell.status);
+        let text = text.replace('\u{a0}', " ");
+        assert!(
+            charts[1].svg.replace('\u{a0}', " ").contains(&text),
+            "{text}"
+        );
         let report = crate::studies::report(&record).unwrap();
-        let page = crate::markup::page(&record, &report);
+        let page = crate::markup::page(&record, &report).replace(crate::markup::SCRIPT, "");
         assert!(page.contains("Largest stable steps") && !page.contains("<b></b>"));
         assert!(!page.contains("NaN") && page.contains("&lt;b&gt;"));
     }

@@ -87,7 +87,7 @@ pub fn overview(
     Ok(Some(svg))
 }
 
-fn paint(c: &mut Canvas<'_>, maps: &[&Map], top: f64, step: Option<&str>) {
+fn paint(c: &mut Canvas, maps: &[&Map], top: f64, step: Option<&str>) {
     let Some(x) = common(maps) else {
         return;
     };
@@ -117,7 +117,7 @@ fn paint(c: &mut Canvas<'_>, maps: &[&Map], top: f64, step: Option<&str>) {
     }
 }
 
-fn strip(c: &mut Canvas<'_>, map: &Map, place: &dyn Fn(f64) -> f64, whole: &Rect, y: f64) {
+fn strip(c: &mut Canvas, map: &Map, place: &dyn Fn(f64) -> f64, whole: &Rect, y: f64) {
     let middle = y + 0.5 * STRIP;
     let name = if map.implicit {
         format!("{} (implicit)", map.integrator)
@@ -131,7 +131,7 @@ fn strip(c: &mut Canvas<'_>, map: &Map, place: &dyn Fn(f64) -> f64, whole: &Rect
     };
     let [low, high] = x.ends().map(place);
     let area = Rect::new(low, y + 1.0, high, y + STRIP - 1.0);
-    super::panel::paint_row(c, map.row(map.own_row()), &x, &area, &area);
+    super::panel::paint_row(c, map, map.own_row(), &x, &area, &area);
     if let Some((h, _)) = map.theory(map.own_row()) {
         let at = place(h);
         let line = [(at, area.y1), (at, area.y0)];

@@ -4,7 +4,7 @@ use super::label_style::{label_style, limit_mark, theory_line};
 use crate::drawing::axis::{Axis, NAME_SIZE, TICK_SIZE, tick_label};
 use crate::drawing::canvas::{Anchor, Canvas, Ink, Stroke, Type, text_width};
 use crate::drawing::geometry::Rect;
-use crate::numbers::{Prefix, short};
+use crate::numbers::{Prefix, per_cent, quantity, short};
 use crate::studies::stability::{Cell, Columns, LineKind, Map, MapAxis};
 
 /// Width of a cell from which on it has a letter, and the distance of letters in smaller cells.
@@ -63,23 +63,83 @@ impl Abscissa {
     }
 }
 
-/// Paints a row of cells, each as wide as its column, with their letters.
-pub fn paint_row(c: &mut Canvas<'_>, cells: &[Cell], x: &Abscissa, strip: &Rect, area: &Rect) {
+/// Returns the text of a cell: the values of its row and column, its label and the reason for it.
+fn cell_text(map: &Map, row: &str, cell: &Cell) -> String {
+    let at = match map.columns {
+        Columns::Step => format!("step {}", quantity(cell.at, "s", 3)),
+        Columns::Tolerance => format!("relative tolerance {}", short(cell.at, 3)),
+    };
+    let place = [row, &at].into_iter().filter(|t| !t.is_empty());
+    let place = place.collect::<Vec<_>>().join(", ");
+    let mut reasons = vec![cell.status.to_string()];
+    reasons.extend(
+        cell.error
+            .map(|e| format!("integration error {}", per_cent(e, 3))),
+    );
+    let cut = cell.reached_s.filter(|t| *t < 0.999 * map.duration_s);
+    reasons.extend(cut.map(|t| format!("at {}", quantity(t, "s", 3))));
+    reasons.extend(cell.message.clone());
+    format!(
+        "{}, {}: {place}: {}",
+        map.model_label(),
+        map.integrator,
+        reasons.join(", ")
+    )
+}
+
+/// Returns the value of each parameter of a row as a text.
+pub fn row_text(map: &Map, row: usize) -> String {
+    let mut rest = row;
+    let parts = map
+        .axes
+        .iter()
+        .filter(|axis| !axis.values.is_empty())
+        .map(|axis| {
+            let value = axis.values[rest % axis.values.len()];
+            rest /= axis.values.len();
+            let value = match axis.unit.as_str() {
+                "" => short(value, 3),
+                unit => quantity(value, unit, 3),
+            };
+            format!("{} = {value}", axis.name)
+        });
+    parts.collect::<Vec<_>>().join(", ")
+}
+
+/// Paints a row of a map, each cell as wide as its column, with their letters. A pointer over a cell shows its text.
+pub fn paint_row(c: &mut Canvas, map: &Map, row: usize, x: &Abscissa, strip: &Rect, area: &Rect) {
+    let text = row_text(map, row);
+    c.group(&[("class", "row".to_owned())], |c| {
+        paint_cells(c, map, (row, &text), x, strip, area);
+    });
+}
+
+fn paint_cells(
+    c: &mut Canvas,
+    map: &Map,
+    (row, name): (usize, &str),
+    x: &Abscissa,
+    strip: &Rect,
+    area: &Rect,
+) {
     let width = area.width() / x.count as f64;
     let every = (LETTER / width.max(0.1)).ceil().max(1.0) as usize;
-    for (k, cell) in cells.iter().enumerate() {
+    for (k, cell) in map.row(row).iter().enumerate() {
         let left = area.x0 + width * k as f64;
         let box_ = Rect::new(left, strip.y0, left + width, strip.y1);
         let look = label_style(cell.status);
-        c.fill(&box_, look.ink);
-        if k % every == every / 2 && strip.height() >= 7.0 {
-            let size = (0.72 * strip.height())
-                .min(11.5)
-                .min(0.75 * width * every as f64);
-            let at = (left + 0.5 * width, 0.5 * (strip.y0 + strip.y1));
-            let kind = Type::new(size, Anchor::Middle).ink(look.text).bold();
-            c.text(look.letter, at, kind);
-        }
+        c.group(&[("class", "cell".to_owned())], |c| {
+            c.title(&cell_text(map, name, cell));
+            c.fill(&box_, look.ink);
+            if k % every == every / 2 && strip.height() >= 7.0 {
+                let size = (0.72 * strip.height())
+                    .min(11.5)
+                    .min(0.75 * width * every as f64);
+                let at = (left + 0.5 * width, 0.5 * (strip.y0 + strip.y1));
+                let kind = Type::new(size, Anchor::Middle).ink(look.text).bold();
+                c.text(look.letter, at, kind);
+            }
+        });
     }
 }
 
@@ -123,7 +183,7 @@ pub struct Panel<'a> {
 
 impl Panel<'_> {
     /// Paints the panel into its area; labels lie outside.
-    pub fn paint(&self, c: &mut Canvas<'_>, area: &Rect) {
+    pub fn paint(&self, c: &mut Canvas, area: &Rect) {
         let map = self.map;
         let (Some(x), Some(axis)) = (Abscissa::of(&map.at), map.axes.first()) else {
             return;
@@ -135,7 +195,7 @@ impl Panel<'_> {
         let heading = Type::new(fit.min(NAME_SIZE), Anchor::Start).bold();
         c.text(&self.title, (area.x0, area.y0 - 10.0), heading);
         for i in 0..rows {
-            paint_row(c, map.row(first + i), &x, &strip(area, rows, i), area);
+            paint_row(c, map, first + i, &x, &strip(area, rows, i), area);
         }
         self.grid(c, area, rows);
         for line in &map.lines {
@@ -160,7 +220,7 @@ impl Panel<'_> {
     }
 
     /// Paints fine white lines between the cells.
-    fn grid(&self, c: &mut Canvas<'_>, area: &Rect, rows: usize) {
+    fn grid(&self, c: &mut Canvas, area: &Rect, rows: usize) {
         let thin = Stroke::new(Ink::WHITE.opacity(0.55), 0.6);
         let width = area.width() / self.map.at.len() as f64;
         if width > 6.0 {
@@ -180,7 +240,7 @@ impl Panel<'_> {
     /// Paints a line of theory: over the height of each row at its step, joined between rows.
     fn line(
         &self,
-        c: &mut Canvas<'_>,
+        c: &mut Canvas,
         area: &Rect,
         x: &Abscissa,
         kind: LineKind,
@@ -203,7 +263,7 @@ impl Panel<'_> {
         theory_line(c, &piece, area, kind);
     }
 
-    fn ticks(&self, c: &mut Canvas<'_>, area: &Rect, x: &Abscissa, axis: &MapAxis) {
+    fn ticks(&self, c: &mut Canvas, area: &Rect, x: &Abscissa, axis: &MapAxis) {
         let small = |anchor| Type::new(TICK_SIZE, anchor).ink(Ink::GREY);
         let (scale, name) = column_scale(self.map.columns);
         for (at, text) in x.ticks(scale, (area.width() / 46.0) as usize) {

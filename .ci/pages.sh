@@ -1,0 +1,43 @@
+#!/usr/bin/env bash
+# Makes small reports with the built program and opens them in a real browser (.ci/pages.mjs): a comparison, a stability
+# map, a sweep over speed and a run-up. Node packages (puppeteer-core, axe-core) come from the npm registry into
+# target/tools/browser; the browser is Debian's `chromium` or the one that BROWSER names. A missing browser, Node or
+# network is reported as "left out: " and fails nothing; a check that fails does. Pictures and prints are in
+# target/tools/browser/out.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+leave_out() { echo "left out: $*"; exit 0; }
+
+browser=
+for name in "${BROWSER:-}" chromium chromium-browser google-chrome; do
+  if [ -n "$name" ] && command -v "$name" > /dev/null; then browser=$(command -v "$name"); break; fi
+done
+[ -n "$browser" ] || leave_out "pages are not opened, there is no chromium (apt-get install chromium, or BROWSER=PATH)"
+command -v node > /dev/null && command -v npm > /dev/null || leave_out "pages are not opened, there is no Node with npm"
+[ "$(node -p 'process.versions.node.split(".")[0] >= 18')" = true ] || leave_out "pages are not opened, Node is older than version 18"
+
+tools=$PWD/target/tools/browser
+out=$tools/out
+mkdir -p "$out"
+if [ ! -f "$tools/node_modules/axe-core/axe.min.js" ] || [ ! -d "$tools/node_modules/puppeteer-core" ]; then
+  npm install --prefix "$tools" --no-audit --no-fund --silent puppeteer-core@24 axe-core@4 > "$tools/install.log" 2>&1 \
+    || leave_out "pages are not opened, npm could not install puppeteer-core and axe-core ($tools/install.log)"
+fi
+
+program=${CARGO_TARGET_DIR:-$PWD/target}/release/gearbench
+[ -x "$program" ] || cargo build --release --locked
+results=$(mktemp -d)
+trap 'rm -rf "$results"' EXIT
+# A run beyond the tolerance of its scene (code 1) is a result.
+make() { "$program" --quiet "$@" || [ $? -eq 1 ]; }
+make compare spur_impact --models rigid,movable-teeth --integrators dopri5@1e-6,velocity-verlet@100ns,rk4@200ns --out "$results/compare"
+make compare examples/my_pair.toml --models rigid --out "$results/compare_pair"
+make stability spur_impact --models rigid --integrators rk4,velocity-verlet --grid 12x6 --no-refine --out "$results/stability"
+make sweep loaded_mesh --models rigid --out "$results/sweep"
+make run-up run_up --models rigid --out "$results/run_up"
+make view "$results" --print
+
+reports=()
+for name in compare compare_pair stability sweep run_up; do reports+=("$name=$results/$name"); done
+node .ci/pages.mjs "$tools" "$browser" "$out" "${reports[@]}" "gallery=$results"
