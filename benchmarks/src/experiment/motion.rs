@@ -10,8 +10,8 @@ use gearbench_integrators::State;
 use gearbench_models::geometry::swept::PitchSections;
 use gearbench_models::geometry::{SMOOTH_FLANK, Side};
 use gearbench_models::kinematics::Tooth;
-use gearbench_models::scene::{ContactExtent, ContactForce, Scene};
-use gearbench_models::spec::{Body, SceneSpec, mesh_layout};
+use gearbench_models::scene::{ContactExtent, ContactForce, DeformedFlank, Scene};
+use gearbench_models::spec::{Body, SceneSpec, UPRIGHT, mesh_layout};
 use gearbench_reports::record::{
     BodyPath, FlankValue, FrameContacts, FramePose, Motion, OUTLINE, Quantised, ToothDisplacements,
     ToothedBody,
@@ -85,9 +85,12 @@ pub fn motion(spec: &SceneSpec, scene: &mut Scene, history: &History) -> Motion 
     states.retain(|s| s.q.iter().all(|x| x.is_finite()));
     let bodies = bodies(spec);
     let paths: Vec<BodyPath> = (0..bodies.len()).map(|i| path(scene, i, &states)).collect();
+    let view = scene.gears().first().map(|g| g.model.hub().hub.axes);
     let mut motion = Motion {
+        view: view.unwrap_or(UPRIGHT).map(|a| [a.x, a.y, a.z]),
         bodies,
         paths,
+        meshes: spec.meshes.iter().map(|m| m.gears).collect(),
         time_s: states.iter().map(|s| s.t).collect(),
         ..Motion::default()
     };
@@ -358,14 +361,22 @@ fn displacements(
                 false => f64::from(*tooth) * body.pitch,
             };
             let (sin, cos) = angle.sin_cos();
+            let along = |f: &DeformedFlank| {
+                let x = f.at_rest[f.at_rest.len() / 2];
+                match body.is_rack {
+                    true => {
+                        let number = i64::from(*tooth) - body.first_tooth;
+                        let number = body.first_tooth + number.rem_euclid(i64::from(body.teeth));
+                        x.y - number as f64 * body.pitch
+                    }
+                    false => cos * x.y - sin * x.x,
+                }
+            };
             for column in &columns {
-                for side in Side::BOTH {
-                    // Sides of grids are those seen from the root.
-                    let own = match &spec.gears[gear].body {
-                        Body::Gear(g) => g.side_from_root(side),
-                        Body::Rack(_) => side,
-                    };
-                    let flank = column.iter().find(|f| f.tooth == *tooth && f.side == own);
+                for sign in [1.0, -1.0] {
+                    let flank = (column.iter()).find(|f| {
+                        f.tooth == *tooth && !f.at_rest.is_empty() && sign * along(f) > 0.0
+                    });
                     for row in 0..found.rows_m.len() {
                         let d = flank.filter(|f| row < f.at_rest.len()).map(|f| {
                             let place = f.with_hub[row] + f.displacement[row];
@@ -422,3 +433,7 @@ fn spring_section(body: &Body, rows: &[f64], by: f64) -> Vec<f64> {
     }
     values
 }
+
+#[cfg(test)]
+#[path = "motion_tests.rs"]
+mod tests;

@@ -1,9 +1,11 @@
 //! The report: one self-contained HTML page, for the screen offline and for paper.
 //!
-//! The page has no script, font or request: style and charts are in the page. `maud` escapes every text from data; only
-//! the charts, which are SVG already, are inserted unchanged.
+//! The page has no font or request: style, charts and the script of moving gears are in the page. `maud` escapes every
+//! text from data; only the charts, which are SVG already, and the data of moving gears, which are JSON without `<`, are
+//! inserted unchanged.
 
 pub mod column;
+pub mod gears;
 pub mod runs;
 pub mod table;
 
@@ -139,6 +141,7 @@ pub fn page(results: &Results, report: &StudyReport) -> String {
                             h2 { (chart.title) }
                             figure {
                                 div.pan { (PreEscaped(&chart.svg)) }
+                                @if let Some(v) = report.viewer.as_ref().filter(|v| v.chart == chart.file) { (v.figure()) }
                                 figcaption { b { "Figure " (i + 1) "." } " " (prose(&chart.caption)) }
                             }
                         }
@@ -147,6 +150,7 @@ pub fn page(results: &Results, report: &StudyReport) -> String {
                     (report.details)
                     (setting(&View::new(results)))
                 }
+                @if report.viewer.is_some() { (gears::scripts()) }
             }
         }
     };

@@ -18,6 +18,8 @@ use serde::{Deserialize, Serialize};
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct Motion {
+    /// Axes of a picture in space: to the right, upwards and towards the reader, those of the first gear at rest.
+    pub view: [[f64; 3]; 3],
     /// The gears, in the order of the scene.
     pub bodies: Vec<ToothedBody>,
     /// Times of the frames, ascending \[s\].
@@ -27,6 +29,8 @@ pub struct Motion {
     /// Displacements of teeth; of gears with rigid teeth there are none.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub teeth: Vec<ToothDisplacements>,
+    /// Gears of each mesh, by their places in the list of bodies.
+    pub meshes: Vec<[usize; 2]>,
     /// Contacts with their forces.
     pub contacts: FrameContacts,
 }
@@ -97,7 +101,7 @@ pub struct ToothDisplacements {
     pub counts: Vec<usize>,
     /// Displaced teeth of all frames, one frame after the other, from 0.
     pub teeth: Vec<u32>,
-    /// Displacements x, y in the frame of tooth 0, moved to the tooth: for each tooth by height, side (left, right) and row
+    /// Displacements x, y in the frame of tooth 0, moved to the tooth: for each tooth by height, flank (the one at y > 0 first) and row
     /// \[m\].
     pub displacements_m: Quantised,
 }
@@ -358,6 +362,11 @@ impl Motion {
             (t.displacements_m.validate(n)).map_err(|e| format!("displacements_m {e}"))
         })?;
         let c = &self.contacts;
+        let known = |m: &usize| (1..=self.meshes.len()).contains(m);
+        let bodies = self.meshes.iter().flatten();
+        if !c.meshes.iter().all(known) || bodies.clone().any(|b| *b >= self.bodies.len()) {
+            return Err("contacts.meshes or `meshes` has the number of no mesh or no body".into());
+        }
         same_length("contacts.counts", c.counts.len(), "time_s", frames)?;
         let n = sum(&c.counts);
         same_length("contacts.meshes", c.meshes.len(), "the sum of counts", n)?;
