@@ -1,4 +1,3 @@
-use super::*;
 use crate::context::Context;
 use crate::experiment::conditions::Conditions;
 use crate::experiment::configuration::Configuration;

@@ -206,9 +206,9 @@
     }
 
     let force = 0;
-    for (let n = 0; n < contacts.forces.length; n += 3) {
-      force = Math.max(force, Math.hypot(contacts.forces[n], contacts.forces[n + 1], contacts.forces[n + 2]));
-    }
+    time.forEach((_, i) => {
+      byPair(touching([i, i, 0])).forEach((p) => { force = Math.max(force, Math.hypot(...p.force)); });
+    });
     const load = contacts.loads.reduce((a, b) => Math.max(a, b), 0);
     return { ...raw, bodies, time, frames, place, pose, displaced, touching, teeth, contacts, largest, force, load };
   }
@@ -442,7 +442,7 @@
       seconds: 10,
       follow: false,
       solid: data.spatial && window.gearbenchSolid !== undefined,
-      half: 1.3 * pitch.pitch * (pitch.is_rack ? 1 : pitch.reach),
+      half: 1.35 * pitch.pitch * (pitch.is_rack ? 1 : pitch.reach),
       force: Math.max(...models.map((m) => m.motion.force)) || 1,
       load: {},
       hidden: new Set(),
@@ -610,11 +610,10 @@
         const pressed = motion.contacts.value === "pressure";
         const now = contacts.reduce((a, c) => Math.max(a, c.load), 0);
         const unit = pressed ? "Pa" : "N/m";
-        const load = contacts.length
-          ? `${pressed ? "pressure" : "force per width"} ${quantity(now, unit)} of at most ${quantity(state.load[motion.contacts.value], unit)} (`
-          : "no contact (";
-        m.legend.replaceChildren(load, element("i", { class: "scale", "aria-hidden": "true" }), " from 0 to the largest value)",
-          motion.largest > 0 ? `; displacements of teeth up to ${quantity(motion.largest, "m")}, drawn \u00d7 ${state.factor}` : "; rigid teeth");
+        const name = pressed ? "pressure" : "force per width";
+        m.legend.replaceChildren(`${name}, 0 `, element("i", { class: "scale", "aria-hidden": "true" }),
+          ` ${quantity(state.load[motion.contacts.value], unit)}; ${contacts.length ? `now ${quantity(now, unit)}` : "no contact now"}; `,
+          motion.largest > 0 ? `teeth displaced by up to ${quantity(motion.largest, "m")}, drawn \u00d7 ${state.factor}` : "rigid teeth");
       });
     }
 

@@ -56,7 +56,8 @@ window.gearbenchSolid = (() => {
   }
 
   const hex = (text) => {
-    const c = /^#(..)(..)(..)/.exec(text);
+    const full = text.replace(/^#(.)(.)(.)$/, "#$1$1$2$2$3$3");
+    const c = /^#(..)(..)(..)/.exec(full);
     if (c) return c.slice(1).map((h) => parseInt(h, 16) / 255);
     const n = (text.match(/[\d.]+/g) || [0, 0, 0]).map(Number);
     return n.slice(0, 3).map((x) => x / 255);
@@ -171,7 +172,10 @@ window.gearbenchSolid = (() => {
       const centre = turned(focus);
       const scene = new Float32Array([...ex, 0, ...ey, 0, ...ez, 0, -centre[0], -centre[1], -centre[2], 1]);
       const aspect = canvas.width / canvas.height;
-      const half = ((state.follow ? 0.3 : 1.02) * radius) / state.zoom;
+      // All gears fit into the picture; with the contact in the middle it shows some teeth.
+      const fit = [0, 1].map((k) => 1.03 * Math.max(...poses.map((p, b) => Math.abs(turned(p.origin)[k] - turned(middle)[k]) + reach[b])));
+      const whole = aspect >= 1 ? Math.max(fit[1], fit[0] / aspect) : Math.max(fit[0], fit[1] * aspect);
+      const half = (state.follow ? 1.9 * state.half : whole) / state.zoom;
       const toClip = new Float32Array([1 / (half * Math.max(1, aspect)), 0, 0, 0, 0, 1 / (half / Math.min(1, aspect)), 0, 0, 0, 0, -0.25 / radius, 0, 0, 0, 0, 1]);
       gl.viewport(0, 0, canvas.width, canvas.height);
       const paper = hex(theme.paper);
@@ -249,7 +253,7 @@ window.gearbenchSolid = (() => {
       byPair(contacts).forEach((pair) => {
         const size = Math.hypot(...pair.force);
         if (!(size > 0)) return;
-        const length = Math.max(8 * pixel, 0.5 * half * size / state.force);
+        const length = Math.max(8 * pixel, 0.45 * half * size / state.force);
         const along = pair.force.map((x) => x / size);
         const tip = pair.point.map((x, k) => x + length * along[k]);
         const neck = tip.map((x, k) => x - Math.min(0.4 * length, 12 * pixel) * along[k]);

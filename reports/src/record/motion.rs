@@ -232,6 +232,8 @@ impl BodyPath {
 /// Resolution of places, angles and outlines: invisible at any magnification of a picture.
 const SHIFT: f64 = 1e-9;
 const TURN: f64 = 1e-8;
+/// Largest number of teeth of a body that is drawn.
+const MOST_TEETH: u32 = 10_000;
 /// Resolution of points of outlines \[m\].
 pub const OUTLINE: f64 = 2e-8;
 
@@ -326,8 +328,12 @@ impl Motion {
         }
         same_length("paths", self.paths.len(), "bodies", self.bodies.len())?;
         each("bodies", &self.bodies, |b| {
-            if b.teeth == 0 || b.heights_m.is_empty() {
-                return Err("has no teeth or no `heights_m`".into());
+            if !(1..=MOST_TEETH).contains(&b.teeth) || b.heights_m.is_empty() {
+                return Err(format!(
+                    "has {} `teeth` and {} `heights_m`, expected 1 to {MOST_TEETH} and at least 1",
+                    b.teeth,
+                    b.heights_m.len()
+                ));
             }
             let stored = if b.is_prism { 1 } else { b.heights_m.len() };
             let n = b

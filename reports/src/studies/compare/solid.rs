@@ -57,8 +57,11 @@ fn normal(corners: &[Point]) -> Point {
     sum
 }
 
-/// Adds a face if it is turned to the reader.
-fn add(faces: &mut Vec<Face>, corners: Vec<Point>, base: Ink) {
+/// Adds a face if it is turned to the reader; the material of an internal gear lies on the other side of its outline.
+fn add(faces: &mut Vec<Face>, mut corners: Vec<Point>, (base, is_internal): (Ink, bool)) {
+    if is_internal {
+        corners.reverse();
+    }
     let n = normal(&corners);
     let length = dot(&n, &n).sqrt();
     if n[2] <= 1e-9 * length {
@@ -107,6 +110,7 @@ fn body_faces(
         return Ok(());
     };
     let kept = thinned(first, detail);
+    let base = (base, body.is_internal);
     let back = |[x, y]: [f64; 2]| {
         let r = x.hypot(y).max(f64::MIN_POSITIVE);
         match body.is_rack {
@@ -168,6 +172,22 @@ fn body_faces(
     Ok(())
 }
 
+/// Returns the corners of a polygon moved outwards by less than a pixel, so that no ground shines through between neighbours.
+fn widened(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
+    const BY: f64 = 0.4;
+    let n = points.len() as f64;
+    let sum = points
+        .iter()
+        .fold((0.0, 0.0), |a, p| (a.0 + p.0, a.1 + p.1));
+    let middle = (sum.0 / n, sum.1 / n);
+    let moved = |p: &(f64, f64)| {
+        let (x, y) = (p.0 - middle.0, p.1 - middle.1);
+        let part = BY / x.hypot(y).max(BY);
+        (p.0 + part * x, p.1 + part * y)
+    };
+    points.iter().map(moved).collect()
+}
+
 /// Paints the gears of a motion at a frame into an area; arrows have the colour `ink`.
 pub fn paint(c: &mut Canvas<'_>, motion: &Motion, (frame, ink): (usize, Ink), area: &Rect) {
     let poses: Option<Vec<FramePose>> = (motion.paths.iter())
@@ -208,7 +228,7 @@ pub fn paint(c: &mut Canvas<'_>, motion: &Motion, (frame, ink): (usize, Ink), ar
     faces.sort_by(|a, b| a.depth.total_cmp(&b.depth));
     for face in &faces {
         let points: Vec<(f64, f64)> = face.corners.iter().map(at).collect();
-        c.polygon(&points, face.ink);
+        c.polygon(&widened(&points), face.ink);
     }
     contacts(
         c,
