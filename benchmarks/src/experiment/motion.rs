@@ -82,7 +82,16 @@ pub fn motion(spec: &SceneSpec, scene: &mut Scene, history: &History) -> Motion 
         .collect();
     states.sort_by(|a, b| a.t.total_cmp(&b.t));
     states.dedup_by(|b, a| b.t <= a.t);
-    states.retain(|s| s.q.iter().all(|x| x.is_finite()));
+    let mut forces: Vec<Vec<ContactForce>> = Vec::with_capacity(states.len());
+    states.retain(|s| {
+        let here = scene.contact_forces(s.at());
+        let sound = |f: &ContactForce| f.force.iter().chain(f.x.iter()).all(|x| x.is_finite());
+        let keep = s.q.iter().all(|x| x.is_finite()) && here.iter().all(sound);
+        if keep {
+            forces.push(here);
+        }
+        keep
+    });
     let bodies = bodies(spec);
     let paths: Vec<BodyPath> = (0..bodies.len()).map(|i| path(scene, i, &states)).collect();
     let view = scene.gears().first().map(|g| g.model.hub().hub.axes);
@@ -95,9 +104,6 @@ pub fn motion(spec: &SceneSpec, scene: &mut Scene, history: &History) -> Motion 
         ..Motion::default()
     };
     let slices = if motion.is_plane() { 1 } else { MOST_SLICES };
-    let forces: Vec<Vec<ContactForce>> = (states.iter())
-        .map(|s| scene.contact_forces(s.at()))
-        .collect();
     motion.contacts = contacts(spec, scene, (&states, &forces), slices);
     motion.teeth = (0..motion.bodies.len())
         .filter_map(|i| displacements(spec, scene, (&states, &forces), &motion, i))

@@ -76,7 +76,7 @@ fn agrees_with_history(run: &Run) {
     let forces = motion.contacts.forces_n.values().unwrap();
     let step = motion.contacts.forces_n.step;
     let first = |name: &str| (series.column(name).unwrap(), name.to_owned());
-    let angles = ["a", "b"].map(|g| first(&format!("displacement_{g}_rad")).0);
+    let angles = ["a", "b"].map(|g| first(&format!("hub_angle_{g}_rad")).0);
     let (mut begin, mut compared, mut loaded) = (0, 0, 0);
     for (i, t) in motion.time_s.iter().enumerate() {
         let own = begin..begin + motion.contacts.counts[i];
