@@ -441,6 +441,7 @@
       playing: false,
       seconds: 10,
       follow: false,
+      mesh: 1,
       solid: data.spatial && window.gearbenchSolid !== undefined,
       half: 1.35 * pitch.pitch * (pitch.is_rack ? 1 : pitch.reach),
       force: Math.max(...models.map((m) => m.motion.force)) || 1,
@@ -482,10 +483,13 @@
     }
     const meshPoint = (motion) => {
       const all = [];
-      const { points, forces } = motion.contacts;
-      for (let n = 0; n < points.length; n += 3) all.push({ point: points.subarray(n, n + 3), force: forces.subarray(n, n + 3) });
+      const { points, forces, meshes } = motion.contacts;
+      meshes.forEach((mesh, i) => {
+        const own = [3 * i, 3 * i + 3];
+        if (mesh === state.mesh) all.push({ point: points.subarray(...own), force: forces.subarray(...own) });
+      });
       if (all.length) return middle(motion, all);
-      const [a, b] = [motion.paths[0].origin_m, motion.paths[Math.min(1, motion.paths.length - 1)].origin_m];
+      const [a, b] = (motion.meshes[state.mesh - 1] || [0, 0]).map((g) => motion.paths[g].origin_m);
       const between = [0, 1, 2].map((k) => 0.5 * (a[k] + b[k]));
       return [dot(between, motion.view[0]), dot(between, motion.view[1])];
     };
@@ -512,6 +516,10 @@
       play, back, next, scrub, clock, speed, ...(largest > 0 ? [factor] : []),
       element("label", {}, follow, " follow the contact"), wider, closer, home,
       ...(window.gearbenchSolid ? [space] : []));
+    const { meshes, bodies: gears } = models[0].motion;
+    const mesh = element("select", { "aria-label": "Mesh in the middle of the view" },
+      ...meshes.map(([a, b], i) => option(i + 1, `mesh ${gears[a].gear} - ${gears[b].gear}`, i === 0)));
+    if (meshes.length > 1) controls.append(mesh);
     const shown = element("div", { class: "controls bodies" });
     models[0].motion.bodies.forEach((body, i) => {
       const box = element("input", { type: "checkbox", checked: true });
@@ -592,7 +600,7 @@
       models.forEach((m) => {
         const { motion } = m;
         const at = motion.place(state.time);
-        if (state.follow) m.centre = middle(motion, motion.touching(at)) || m.centre;
+        if (state.follow) m.centre = middle(motion, motion.touching(at).filter((c) => c.mesh === state.mesh)) || m.centre;
         let canvas = m.canvas;
         if (state.solid) {
           m.solid = m.solid || window.gearbenchSolid(m.solidCanvas, motion, { shifted, byPair, colour, numbers });
@@ -660,6 +668,11 @@
     follow.addEventListener("change", () => {
       state.follow = follow.checked;
       if (!state.follow) models.forEach((m) => { m.centre = m.home; });
+      draw();
+    });
+    mesh.addEventListener("change", () => {
+      state.mesh = Number(mesh.value);
+      models.forEach((m) => { m.home = meshPoint(m.motion); m.centre = m.home; m.focus = undefined; });
       draw();
     });
     closer.addEventListener("click", () => size(1 / 1.4));

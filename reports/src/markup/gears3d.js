@@ -163,9 +163,10 @@ window.gearbenchSolid = (() => {
       };
       let focus = middle;
       if (state.follow) {
-        const sizes = contacts.map((c) => Math.hypot(...c.force));
+        const own = contacts.filter((c) => c.mesh === state.mesh);
+        const sizes = own.map((c) => Math.hypot(...c.force));
         const sum = sizes.reduce((a, b) => a + b, 0);
-        if (sum > 0) model.focus = [0, 1, 2].map((k) => contacts.reduce((a, c, n) => a + (sizes[n] / sum) * c.point[k], 0));
+        if (sum > 0) model.focus = [0, 1, 2].map((k) => own.reduce((a, c, n) => a + (sizes[n] / sum) * c.point[k], 0));
         focus = model.focus || middle;
       }
       const [ex, ey, ez] = [turned([1, 0, 0]), turned([0, 1, 0]), turned([0, 0, 1])];

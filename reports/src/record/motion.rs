@@ -237,12 +237,21 @@ const MOST_TEETH: u32 = 10_000;
 /// Resolution of points of outlines \[m\].
 pub const OUTLINE: f64 = 2e-8;
 
+/// One pitch of a body in a section across its axis.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BodySection {
+    /// Height of the section along the axis \[m\].
+    pub height_m: f64,
+    /// Points x, y of tooth 0, from the middle of one tooth space to that of the next \[m\].
+    pub points_m: Vec<[f64; 2]>,
+}
+
 impl ToothedBody {
-    /// Returns the sections of its pitch: height and points of each.
+    /// Returns the sections of its pitch.
     ///
     /// # Errors
     /// Its numbers cannot be read.
-    pub fn sections(&self) -> Result<Vec<(f64, Vec<[f64; 2]>)>, String> {
+    pub fn sections(&self) -> Result<Vec<BodySection>, String> {
         let all = self.points_m.values()?;
         let points: Vec<[f64; 2]> = all.chunks_exact(2).map(|p| [p[0], p[1]]).collect();
         let sections = self.heights_m.len().max(1);
@@ -252,9 +261,11 @@ impl ToothedBody {
             let from = if stored == 1 { 0 } else { i * each };
             points[from..from + each].to_vec()
         };
-        Ok((self.heights_m.iter().enumerate())
-            .map(|(i, z)| (*z, of(i)))
-            .collect())
+        let section = |(i, z): (usize, &f64)| BodySection {
+            height_m: *z,
+            points_m: of(i),
+        };
+        Ok(self.heights_m.iter().enumerate().map(section).collect())
     }
 
     /// Returns the closed outline of the whole body in the section at a place of the list, in its own frame \[m\]; of an
@@ -264,7 +275,10 @@ impl ToothedBody {
     /// Its numbers cannot be read.
     pub fn outline(&self, section: usize) -> Result<Vec<[f64; 2]>, String> {
         let sections = self.sections()?;
-        let Some((_, pitch)) = sections.get(section) else {
+        let Some(BodySection {
+            points_m: pitch, ..
+        }) = sections.get(section)
+        else {
             return Ok(Vec::new());
         };
         let mut all = Vec::new();

@@ -105,7 +105,12 @@ pub fn mesh(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
 
 /// Returns a chart, that of the still picture with the description of the moving gears.
 pub(super) fn captioned(mut chart: Chart, moving: Option<&(Viewer, Vec<String>)>) -> Chart {
-    let Some((viewer, left_out)) = moving.filter(|(v, _)| v.chart == chart.file) else {
+    if chart.file != FILE {
+        return chart;
+    }
+    let Some((viewer, left_out)) = moving else {
+        chart.caption += " The gears of this page do not move: the record has no motion of them, as records of versions \
+                          before the moving gears.";
         return chart;
     };
     chart.title = "Meshing teeth".into();

@@ -6,7 +6,7 @@
 use crate::drawing::canvas::{Canvas, Ink, Stroke};
 use crate::drawing::geometry::{Rect, simplified};
 use crate::drawing::heat::colour;
-use crate::record::{FramePose, Motion, ToothedBody};
+use crate::record::{BodySection, FramePose, Motion, ToothedBody};
 
 /// Rotation of the view about the vertical and the horizontal of the picture [rad].
 const TURN: [f64; 2] = [-0.55, -0.5];
@@ -103,13 +103,13 @@ fn body_faces(
 ) -> Result<(), String> {
     let all = body.sections()?;
     let layers = (all.len() - 1).min(LAYERS);
-    let sections: Vec<&(f64, Vec<[f64; 2]>)> = (0..=layers)
+    let sections: Vec<&BodySection> = (0..=layers)
         .map(|i| &all[i * (all.len() - 1) / layers.max(1)])
         .collect();
-    let Some((_, first)) = sections.first() else {
+    let Some(first) = sections.first() else {
         return Ok(());
     };
-    let kept = thinned(first, detail);
+    let kept = thinned(&first.points_m, detail);
     let base = (base, body.is_internal);
     let back = |[x, y]: [f64; 2]| {
         let r = x.hypot(y).max(f64::MIN_POSITIVE);
@@ -138,7 +138,8 @@ fn body_faces(
         for pair in kept.windows(2) {
             let [i, j] = [pair[0], pair[1]];
             for two in sections.windows(2) {
-                let [(z0, low), (z1, high)] = [two[0], two[1]];
+                let [low, high] = [&two[0].points_m, &two[1].points_m];
+                let [z0, z1] = [&two[0].height_m, &two[1].height_m];
                 let quad = [
                     place(low[i], *z0),
                     place(low[j], *z0),
@@ -153,7 +154,8 @@ fn body_faces(
                 }
             }
         }
-        for (end, (z, points)) in [(0, sections[0]), (1, sections[layers])] {
+        for (end, section) in [(0, sections[0]), (1, sections[layers])] {
+            let (z, points) = (&section.height_m, &section.points_m);
             let outer = kept.iter().map(|i| place(points[*i], *z));
             let ends = [
                 points[kept[0]],
