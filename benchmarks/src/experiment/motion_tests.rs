@@ -9,7 +9,7 @@ use gearbench_integrators::table::{DOPRI5, TRIGONOMETRIC};
 use gearbench_reports::record::Run;
 
 fn run_of(scene: &SceneFile, method: &Scheme) -> Run {
-    let of = Configuration::of(scene, scene.models.iter().next().unwrap());
+    let of = Configuration::of(scene, scene.models.first().unwrap());
     let conditions = Conditions {
         repeats: 0,
         ..Conditions::of(scene)
