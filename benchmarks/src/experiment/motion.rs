@@ -1,6 +1,6 @@
 //! The motion of a run for the report: poses, displaced teeth and contacts at stored states.
 //!
-//! The states are those that [`History`] keeps, more of them in contact than in free flight. Everything is evaluated after
+//! The states are those that the history of a run keeps, more of them in contact than in free flight. Everything is evaluated after
 //! the run, so that the time of the run does not contain it. Contacts of one tooth pair are summed over the profile in
 //! slices across the width: a slice has the sum of the forces, their centre, and the largest pressure.
 
