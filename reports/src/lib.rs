@@ -31,9 +31,10 @@ pub use histories::{ContactEvent, Histories, PairSample, SprungTooth};
 pub use markup::column::Format;
 pub use metrics::{FinishedRun, Metric, UnfinishedRun, compare};
 pub use record::{
-    ContactPoint, ContactSnapshot, DeformedSection, FlankGrid, FlankLoad, FlankPatch, FlankValue,
-    Ledger, Machine, Metrics, Outline, Part, ReferenceSeries, Results, Run, SCHEMA, Status, Study,
-    StudyHeader, Tolerance, finite,
+    BodyPath, ContactPoint, ContactSnapshot, DeformedSection, FlankGrid, FlankLoad, FlankPatch,
+    FlankValue, FrameContacts, Ledger, Machine, Metrics, Motion, OUTLINE, Outline, Part, Quantised,
+    ReferenceSeries, Results, Run, SCHEMA, Status, Study, StudyHeader, Tolerance,
+    ToothDisplacements, ToothedBody, finite,
 };
 pub use series::{Column, TimeSeries, decimate};
 pub use store::{RECORD, ReportError, load_results, report_from, write_results};

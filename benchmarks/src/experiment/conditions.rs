@@ -122,6 +122,7 @@ impl Conditions {
             measurable: self.measurable,
             paths: false,
             histories: false,
+            motion: false,
             pictures: None,
             events: self.events,
             repeats: self.repeats,

@@ -197,6 +197,7 @@ pub fn converged(job: &Job<'_>, candidates: &[Candidate]) -> Result<ConvergedRes
             max_steps: *steps,
             events: true,
             histories: false,
+            motion: false,
             pictures: None,
             ..*job
         };

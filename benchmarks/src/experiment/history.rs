@@ -19,6 +19,9 @@ const MOST_ROWS: usize = 100_000;
 /// Largest total size of the states stored for plots, in numbers.
 const MOST_NUMBERS: usize = 4_000_000;
 
+/// Largest number of stored states in contact, and of those in free flight.
+const MOST_STATES: [usize; 2] = [128, 48];
+
 /// A bounded number of states of a run, at equal numbers of samples apart.
 #[derive(Clone, Debug, Default)]
 pub struct Instants {
@@ -30,9 +33,9 @@ pub struct Instants {
 }
 
 impl Instants {
-    /// Visits every state; drops every second stored one when they become too many.
-    fn take(&mut self, sample: &State) {
-        let most = (MOST_NUMBERS / (2 * sample.q.len()).max(1)).clamp(8, 128);
+    /// Visits every state; drops every second stored one when they become more than `most`.
+    fn take(&mut self, sample: &State, most: usize) {
+        let most = (MOST_NUMBERS / (2 * sample.q.len()).max(1)).clamp(8, most);
         if self.seen.is_multiple_of(1 << self.doubled) {
             if self.states.len() == most {
                 let mut place = 0;
@@ -90,6 +93,8 @@ pub struct History {
     pub peak_state: Option<State>,
     /// States in contact for plots; empty without a contact log.
     pub instants: Instants,
+    /// States at sampling times without contact, for the motion; empty without a contact log.
+    pub flight: Instants,
     /// States at requested times for frames of whole bodies.
     pub frames: Frames,
     /// Largest contact force of any mesh [N].
@@ -180,8 +185,12 @@ impl History {
                 none => *none = Some(self.sample.clone()),
             }
         }
-        if force > 0.0 && self.contacts.is_some() {
-            self.instants.take(&self.sample);
+        if self.contacts.is_some() {
+            if force > 0.0 {
+                self.instants.take(&self.sample, MOST_STATES[0]);
+            } else if on_grid {
+                self.flight.take(&self.sample, MOST_STATES[1]);
+            }
         }
         if keep || (changes && self.keeps_steps()) {
             if let Some((t, row)) = self.skipped.take()

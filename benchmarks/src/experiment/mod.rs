@@ -22,6 +22,7 @@
 //! | [`run`] | run of one model under one integrator, a row of the record |
 //! | `parameters` | parameters of a run for its record |
 //! | `paths` | paths of torque and power through a train, load sharing between planets |
+//! | [`motion`] | poses, displaced teeth and contacts at instants of a run, for the report |
 //! | [`pictures`] | frames of a run for ParaView |
 //! | `resample` | interpolation of histories |
 //! | [`runner`] | execution of a study piece by piece |
@@ -47,6 +48,7 @@ pub mod key;
 pub(crate) mod linear_models;
 pub mod machine;
 mod monitored_observer;
+pub mod motion;
 pub mod parallel;
 pub(crate) mod parameters;
 mod paths;

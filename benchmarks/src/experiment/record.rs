@@ -12,7 +12,7 @@ use gearbench_models::spec::{
 };
 use gearbench_reference::reduction::ElasticParameters;
 use gearbench_reports::histories::{Histories, SprungTooth};
-use gearbench_reports::record::{self, ContactPoint, ContactSnapshot, Outline, Run, finite};
+use gearbench_reports::record::{self, ContactPoint, ContactSnapshot, Run, finite};
 use gearbench_reports::series::{
     BACKLASH_POSITION, Column, MESH_CYCLE, Quantity, SPEED, SPEED_RATIO_ERROR, TOOTH_DEFLECTION,
     TOOTH_RADIAL_FORCE, TOOTH_SPRING_FORCE, TOOTH_TANGENTIAL_FORCE, TRANSMISSION_ERROR, TimeSeries,
@@ -438,42 +438,8 @@ pub fn ledger_record(
     }
 }
 
-/// The mesh at one state: gear outlines in position, contacts with their forces.
+/// The mesh at one state: contacts with their forces.
 pub fn snapshot(spec: &SceneSpec, scene: &mut Scene, state: &State) -> ContactSnapshot {
-    let phases = scene.phases().to_vec();
-    let mut outlines = Vec::new();
-    for (i, (g, phase)) in spec.gears.iter().zip(&phases).enumerate() {
-        let s = &scene.gears()[i];
-        let displacement = s.model.hub_state(s.at(state.at())).displacement;
-        let (turn, shift, points) = match &g.body {
-            Body::Gear(gear) => (phase + displacement, 0.0, gear.filled_outline(24)),
-            Body::Rack(rack) => {
-                // Outline: teeth towards -x, travel along +y.
-                (
-                    g.facing + std::f64::consts::PI,
-                    phase + displacement,
-                    rack.outline(24),
-                )
-            }
-        };
-        let (sin, cos) = turn.sin_cos();
-        let centre = match scene.is_carried(i) {
-            true => scene.hub_frame(i, state.at()).origin,
-            false => g.position.into(),
-        };
-        let centre = scene.in_plane(&centre);
-        let points = points
-            .into_iter()
-            .map(|[x, y]| {
-                let y = y + shift;
-                [centre[0] + cos * x - sin * y, centre[1] + sin * x + cos * y]
-            })
-            .collect();
-        outlines.push(Outline {
-            gear: g.name.clone(),
-            points,
-        });
-    }
     let forces = scene.contact_forces(state.at());
     let line = forces.first().and_then(|f| scene.line_of_action(f));
     let contacts = forces
@@ -488,7 +454,7 @@ pub fn snapshot(spec: &SceneSpec, scene: &mut Scene, state: &State) -> ContactSn
         .collect();
     ContactSnapshot {
         time_s: state.t,
-        outlines,
+        outlines: Vec::new(),
         line_of_action: line,
         contacts,
         flanks: Vec::new(),
@@ -498,13 +464,18 @@ pub fn snapshot(spec: &SceneSpec, scene: &mut Scene, state: &State) -> ContactSn
 
 /// Name of the tooth pair of a contact; teeth are counted from 1 within each gear.
 fn pair_name(spec: &SceneSpec, f: &gearbench_models::scene::ContactForce) -> String {
-    let gears = spec.meshes[f.mesh].gears;
-    let name = |k: usize| {
+    let [a, b] = tooth_numbers(spec, f.mesh, f.teeth.map(|t| t.index));
+    format!("{a}-{b}")
+}
+
+/// Returns the numbers of the teeth of a contact, counted from 1 within each gear.
+pub fn tooth_numbers(spec: &SceneSpec, mesh: usize, indices: [i64; 2]) -> [i64; 2] {
+    let gears = spec.meshes[mesh].gears;
+    [0, 1].map(|k| {
         let teeth = match &spec.gears[gears[k]].body {
             Body::Gear(g) => i64::from(g.teeth()),
             Body::Rack(r) => i64::from(r.teeth()),
         };
-        f.teeth[k].index.rem_euclid(teeth) + 1
-    };
-    format!("{}-{}", name(0), name(1))
+        indices[k].rem_euclid(teeth) + 1
+    })
 }

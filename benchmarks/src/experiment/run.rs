@@ -7,6 +7,7 @@ use super::history::History;
 use super::key::Key;
 use super::machine::cpu_time;
 use super::monitored_observer::MonitoredObserver;
+use super::motion::motion;
 use super::parameters::parameters;
 use super::paths::{has_train, torque_paths};
 use super::pictures::Pictures;
@@ -66,6 +67,8 @@ pub struct Job<'a> {
     pub paths: bool,
     /// True if the data of the history files are stored.
     pub histories: bool,
+    /// True if the motion of the gears is stored for the report; needs `histories`.
+    pub motion: bool,
     /// Frames for ParaView, if requested.
     pub pictures: Option<&'a Pictures>,
     /// True if contact events are located.
@@ -85,6 +88,7 @@ impl Job<'_> {
             .and_scene(self.scene, self.modelling)
             .and(&(self.method, self.t_end, self.grid, self.also_steps))
             .and(&(self.forces, self.measurable, self.paths, self.histories))
+            .and(&self.motion)
             .and(&self.pictures)
             .and(&(self.events, self.repeats))
             .and(&(self.timeout, self.max_steps))
@@ -373,6 +377,7 @@ fn timed_from(
             },
             ..snapshot(job.scene, scene, s)
         }),
+        motion: (job.motion && job.histories).then(|| motion(job.scene, scene, history)),
         series: Some(series),
         histories: job.histories.then(|| histories(job, scene, history)),
         paths: (job.paths || (job.histories && has_train(job.scene)))

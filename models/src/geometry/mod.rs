@@ -72,7 +72,7 @@ pub use internal::Internal;
 pub use internal_error::InternalError;
 pub use involute::{inv, inv_inverse};
 pub use modification::{EndRelief, Modifications, ReliefShape, TipRelief};
-pub use outline::MassProperties;
+pub use outline::{MassProperties, SMOOTH_FLANK};
 pub use pair::{Mate, Pair};
 pub use parameters::{GearParams, RackParams};
 pub use quantity::Quantity;

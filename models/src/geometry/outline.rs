@@ -55,6 +55,13 @@ fn integrate(a: f64, b: f64, f: impl Fn(f64) -> [f64; 2]) -> [f64; 2] {
     sum
 }
 
+/// Points per flank of an outline without visible corners: neighbouring chords differ by less than 3 degrees in direction,
+/// but at the edges of tips, and depart from the curve by less than 0.02 % of the module.
+pub const SMOOTH_FLANK: usize = 96;
+
+/// Angle of the rounding of a tool of 20 degrees, along which points of a fillet are distributed.
+const FILLET_OPENING: f64 = 70.0 * std::f64::consts::PI / 180.0;
+
 impl Gear {
     /// Returns area (m^2) and polar second moment of area (m^4) of the transverse section without bore, with the rim
     /// of an internal gear.
@@ -181,9 +188,12 @@ impl Gear {
             let s = s_tip + (s_form - s_tip) * part(k, on_involute);
             (self.r_base().hypot(s), self.half_angle_at_roll(s))
         }));
+        // Equal steps of the direction of the tool's normal, `q = cos(phi)`, are nearly equal turns of the fillet.
         let q_max = self.profile.fillet.q_max();
+        let opening = FILLET_OPENING;
         out.extend((0..on_fillet).map(|k| {
-            let p = self.profile.fillet.at(q_max * (1.0 - part(k, on_fillet)));
+            let q = q_max * ((1.0 - part(k, on_fillet)) * opening).sin() / opening.sin();
+            let p = self.profile.fillet.at(q);
             (p.r2.sqrt(), half_pitch - p.delta)
         }));
         let arc = self.profile.fillet.root_arc();
@@ -278,6 +288,75 @@ mod tests {
                         side(a, b, c) * side(a, b, d) < 0.0 && side(c, d, a) * side(c, d, b) < 0.0;
                     assert!(!crosses, "edges {i} and {j} cross");
                 }
+            }
+        }
+    }
+
+    /// Returns the change of direction at each point of a closed polygon, with its radius, in degrees.
+    fn corners(polygon: &[[f64; 2]]) -> Vec<(f64, f64)> {
+        let n = polygon.len();
+        (0..n)
+            .map(|i| {
+                let [a, b, c] = [polygon[(i + n - 1) % n], polygon[i], polygon[(i + 1) % n]];
+                let (u, v) = ([b[0] - a[0], b[1] - a[1]], [c[0] - b[0], c[1] - b[1]]);
+                let turn = (u[0] * v[1] - u[1] * v[0]).atan2(u[0] * v[0] + u[1] * v[1]);
+                (b[0].hypot(b[1]), turn.to_degrees().abs())
+            })
+            .collect()
+    }
+
+    /// The outline has no corner but the two edges of each tip: a fillet meets the root circle with its tangent, also that of a
+    /// tool with sharp tips.
+    #[test]
+    fn smooth_outline_has_corners_only_where_the_tool_cuts_edges() {
+        for gear in sample() {
+            let teeth = gear.teeth() as usize;
+            let found = corners(&gear.outline(SMOOTH_FLANK));
+            let sharp: Vec<f64> = (found.iter())
+                .filter(|(_, angle)| *angle > 3.0)
+                .map(|c| c.0)
+                .collect();
+            let at_tip = sharp.iter().filter(|r| (**r - gear.r_tip()).abs() < 1e-9);
+            assert_eq!(at_tip.count(), 2 * teeth);
+            assert_eq!(sharp.len(), 2 * teeth, "{sharp:?}");
+        }
+    }
+
+    /// Points above the form circle lie on `x + i y = r_b (1 - i t) exp(i (t + c))`, and chords stay close to the curve.
+    #[test]
+    fn smooth_outline_follows_the_involute() {
+        for gear in sample() {
+            let rb = gear.r_base();
+            let p = gear.params();
+            // Half angle on the base circle from the tooth thickness on the reference circle.
+            let alpha = gear.transverse_pressure_angle();
+            let start = gear.half_angle_reference() + alpha.tan() - alpha;
+            let involute = |t: f64| {
+                let (sin, cos) = (t - start).sin_cos();
+                [rb * (cos + t * sin), -rb * (sin - t * cos)]
+            };
+            let tooth = gear.tooth_outline(SMOOTH_FLANK);
+            let flank: Vec<[f64; 2]> = (tooth.into_iter())
+                .filter(|[x, y]| *y > 0.0 && x.hypot(*y) >= gear.r_form() * (1.0 - 1e-12))
+                .filter(|[x, y]| x.hypot(*y) <= gear.r_tip() * (1.0 - 1e-9))
+                .collect();
+            assert!(flank.len() >= SMOOTH_FLANK / 2 - 1);
+            let roll = |q: &[f64; 2]| {
+                ((q[0] * q[0] + q[1] * q[1]) / (rb * rb) - 1.0)
+                    .max(0.0)
+                    .sqrt()
+            };
+            let off = |q: [f64; 2], to: [f64; 2]| (q[0] - to[0]).hypot(q[1] - to[1]);
+            for q in &flank {
+                assert!(off(*q, involute(roll(q))) < 1e-9 * rb, "{q:?}");
+            }
+            for pair in flank.windows(2) {
+                let between = involute(0.5 * (roll(&pair[0]) + roll(&pair[1])));
+                let chord = [0, 1].map(|k| pair[1][k] - pair[0][k]);
+                let from = [0, 1].map(|k| between[k] - pair[0][k]);
+                let area = chord[0] * from[1] - chord[1] * from[0];
+                let sag = area.abs() / chord[0].hypot(chord[1]);
+                assert!(sag < 2e-4 * p.module, "{sag}");
             }
         }
     }

@@ -175,9 +175,8 @@ impl Rack {
         density * self.params.face_width * f64::from(self.params.teeth) * self.pitch_area()
     }
 
-    /// Returns the closed outline polygon (m), counter-clockwise, in the rack frame (reference line at x = 0, teeth
-    /// towards -x), with `points` (at least 2) on each fillet.
-    pub fn outline(&self, points: usize) -> Vec<[f64; 2]> {
+    /// Returns half a tooth as height below the reference line and half thickness (m), from the tip to the root line.
+    fn half_tooth(&self, points: usize) -> Vec<(f64, f64)> {
         let n = points.max(2);
         let half_pitch = 0.5 * self.pitch();
         let mut half = vec![(
@@ -189,6 +188,26 @@ impl Rack {
             let (u, d) = self.tip.point(q);
             half.push((d, half_pitch - u));
         }
+        half
+    }
+
+    /// Returns one pitch of the outline (m), counter-clockwise, from the middle of the space above tooth 0 to that of
+    /// the space below it, with `points` (at least 2) on each fillet.
+    pub fn tooth_outline(&self, points: usize) -> Vec<[f64; 2]> {
+        let half = self.half_tooth(points);
+        let end = [self.root_depth(), 0.5 * self.pitch()];
+        let mut all = vec![end];
+        all.extend(half.iter().rev().map(|&(x, w)| [x, w]));
+        all.extend(half.iter().map(|&(x, w)| [x, -w]));
+        all.push([end[0], -end[1]]);
+        all
+    }
+
+    /// Returns the closed outline polygon (m), counter-clockwise, in the rack frame (reference line at x = 0, teeth
+    /// towards -x), with `points` (at least 2) on each fillet.
+    pub fn outline(&self, points: usize) -> Vec<[f64; 2]> {
+        let half_pitch = 0.5 * self.pitch();
+        let half = self.half_tooth(points);
         let first = self.first_tooth();
         let last = first + i64::from(self.params.teeth) - 1;
         let back = self.root_depth() + self.params.body_height;

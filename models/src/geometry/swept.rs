@@ -61,44 +61,124 @@ fn layers(turn: f64) -> usize {
     ((turn.abs() / TURN).ceil() as usize).clamp(1, 32)
 }
 
+/// One pitch of a toothed body in sections across its axis, from which all teeth follow by rotation (rack: by shift).
+#[derive(Clone, Debug)]
+pub struct PitchSections {
+    /// Heights of the sections along the axis, ascending [m].
+    pub heights: Vec<f64>,
+    /// Outline of tooth 0 in each section, from the middle of one tooth space to that of the next, with as many points
+    /// in all sections [m].
+    pub outlines: Vec<Vec<[f64; 2]>>,
+}
+
+impl PitchSections {
+    /// Returns the sections of a gear with a number of points per flank. A spur gear has two, at the ends of its face.
+    #[must_use]
+    pub fn gear(gear: &Gear, points: usize) -> PitchSections {
+        let sections = GearSections::of(gear, points);
+        let heights: Vec<f64> = (0..sections.number).map(|s| sections.height(s)).collect();
+        let in_plane = |p: Vec3| [p.x, p.y];
+        let outlines = heights.iter().map(|&z| {
+            let (outline, of) = sections.section(z);
+            let places = outline.iter().map(|p| sections.place(&of, *p, 0.0, z));
+            places.map(in_plane).collect()
+        });
+        PitchSections {
+            outlines: outlines.collect(),
+            heights,
+        }
+    }
+
+    /// Returns the sections of a rack, as [`Self::gear`].
+    #[must_use]
+    pub fn rack(rack: &Rack, points: usize) -> PitchSections {
+        let (slope, heights) = rack_heights(rack);
+        let outline = rack.tooth_outline(points);
+        let shifted = |z: &f64| outline.iter().map(|[x, y]| [*x, y + slope * z]).collect();
+        PitchSections {
+            outlines: heights.iter().map(shifted).collect(),
+            heights,
+        }
+    }
+}
+
+/// Returns the shift of a rack's section by height [-], and the heights that resolve its helix [m].
+fn rack_heights(rack: &Rack) -> (f64, Vec<f64>) {
+    let width = rack.face_width();
+    let slope = -rack.params().helix_angle.tan();
+    let last = layers(slope * width / rack.pitch());
+    let height = |section: usize| width * (section as f64 / last as f64 - 0.5);
+    (slope, (0..=last).map(height).collect())
+}
+
+/// Sections of a gear across its axis.
+struct GearSections<'a> {
+    gear: &'a Gear,
+    points: usize,
+    middle: Vec<[f64; 2]>,
+    number: usize,
+    /// Rotation by height of the helix [rad/m].
+    per_height: f64,
+}
+
+impl<'a> GearSections<'a> {
+    fn of(gear: &'a Gear, points: usize) -> Self {
+        let per_height = gear.params().helix_angle.tan() / gear.r_reference();
+        GearSections {
+            gear,
+            points,
+            middle: gear.tooth_outline(points),
+            number: layers(per_height * gear.face_width()) + 1,
+            per_height,
+        }
+    }
+
+    fn height(&self, section: usize) -> f64 {
+        self.gear.face_width() * (section as f64 / (self.number - 1) as f64 - 0.5)
+    }
+
+    /// Returns the transverse outline at a height, and the cylindrical gear of that section.
+    fn section(&self, z: f64) -> (Vec<[f64; 2]>, Gear) {
+        // Sections of a cone have the same points, but where a tool leaves no arc between the fillets.
+        let of_section = self.gear.at_height(z);
+        let own = of_section.map(|g| (g.tooth_outline(self.points), g));
+        own.filter(|(outline, _)| outline.len() == self.middle.len())
+            .unwrap_or_else(|| (self.middle.clone(), self.gear.clone()))
+    }
+
+    /// Returns the place of a point of a section's outline on a tooth that is rotated by `turn`.
+    fn place(&self, of: &Gear, [x, y]: [f64; 2], turn: f64, z: f64) -> Vec3 {
+        let gear = self.gear;
+        let r = x.hypot(y);
+        let side = if y >= 0.0 { Side::Left } else { Side::Right };
+        if gear.is_conical() && r >= of.r_form() && r < of.r_tip() {
+            let flank = gear.flank(side);
+            let roll = (r * r - flank.base_radius.powi(2)).max(0.0).sqrt();
+            flank.point(&flank.base(turn, roll, z), roll, z)
+        } else {
+            turned(x, y, z, turn + self.per_height * z)
+        }
+    }
+}
+
 impl SweptSurface {
     /// Builds a gear with a number of points per flank and an open bore.
     pub fn gear(gear: &Gear, points: usize) -> SweptSurface {
-        let width = gear.face_width();
-        let per_height = gear.params().helix_angle.tan() / gear.r_reference();
-        let sections = layers(per_height * width) + 1;
-        let height = |section: usize| width * (section as f64 / (sections - 1) as f64 - 0.5);
+        let of_gear = GearSections::of(gear, points);
+        let (sections, per_height) = (of_gear.number, of_gear.per_height);
+        let height = |section: usize| of_gear.height(section);
         let teeth = gear.teeth() as usize;
-        let middle = gear.tooth_outline(points);
-        let per_tooth = middle.len() - 1;
+        let per_tooth = of_gear.middle.len() - 1;
         let mut swept = SweptSurface::default();
         for section in 0..sections {
             let z = height(section);
-            let of_section = gear.at_height(z);
-            let (outline, of) = match &of_section {
-                Some(g) => (g.tooth_outline(points), g),
-                None => (middle.clone(), gear),
-            };
-            // Sections of a cone have the same points, but where a tool leaves no arc between the fillets.
-            let (outline, of) = if outline.len() == middle.len() {
-                (&outline, of)
-            } else {
-                (&middle, gear)
-            };
+            let (outline, of) = of_gear.section(z);
             for tooth in 0..teeth {
                 let turn = tooth as f64 * gear.pitch_angle();
-                for [x, y] in &outline[..per_tooth] {
-                    let r = x.hypot(*y);
-                    let side = if *y >= 0.0 { Side::Left } else { Side::Right };
-                    let place = if gear.is_conical() && r >= of.r_form() && r < of.r_tip() {
-                        let flank = gear.flank(side);
-                        let roll = (r * r - flank.base_radius.powi(2)).max(0.0).sqrt();
-                        flank.point(&flank.base(turn, roll, z), roll, z)
-                    } else {
-                        turned(*x, *y, z, turn + per_height * z)
-                    };
+                for &point in &outline[..per_tooth] {
+                    let r = f64::hypot(point[0], point[1]);
                     let own = share(r - of.r_root(), of.r_form() - of.r_root());
-                    swept.nodes.push(place);
+                    swept.nodes.push(of_gear.place(&of, point, turn, z));
                     swept.teeth.push((tooth as i64, own));
                 }
             }
@@ -159,13 +239,11 @@ impl SweptSurface {
 
     /// Builds a rack with a number of points per flank.
     pub fn rack(rack: &Rack, points: usize) -> SweptSurface {
-        let width = rack.face_width();
-        let slope = -rack.params().helix_angle.tan();
-        let sections = layers(slope * width / rack.pitch()) + 1;
+        let (slope, heights) = rack_heights(rack);
+        let sections = heights.len();
         let outline = rack.outline(points);
         let mut swept = SweptSurface::default();
-        for section in 0..sections {
-            let z = width * (section as f64 / (sections - 1) as f64 - 0.5);
+        for z in heights {
             for [x, y] in &outline {
                 swept.nodes.push(Vec3::new(*x, y + slope * z, z));
                 let own = share(rack.root_depth() - x, rack.root_depth() - rack.form_depth());

@@ -8,8 +8,9 @@ use super::assembled::Scene;
 use crate::Vec3;
 use crate::error::{BuildError, GearPart, Reason};
 use crate::gear::{BodyLoad, DisplacedNodes};
+use crate::geometry::Frame;
 use crate::geometry::swept::{Cells, SweptSurface};
-use crate::kinematics::{Placement, Tooth};
+use crate::kinematics::{Placement, Pose, Tooth};
 use crate::spec::{Body, SceneSpec};
 use gearbench_integrators::system::StateView;
 use std::sync::Arc;
@@ -83,6 +84,37 @@ impl Scene {
         Ok(found)
     }
 
+    /// Returns the frame of a gear's body at a state: origin and axes of the gear frame in space.
+    pub fn pose(&mut self, at: StateView<'_>, gear: usize) -> Pose {
+        let pose = self.with_carrier_state(at, |scene, carrier_state| {
+            scene.carrier_frame_pose(carrier_state, gear)
+        });
+        let Pose { axes, origin } = pose;
+        let frame = self.carriers.frame(gear, at, Frame { axes, origin });
+        Pose {
+            axes: frame.axes,
+            origin: frame.origin,
+        }
+    }
+
+    /// Returns the displacement of a tooth beyond that of its gear [rad] (rack: [m]); `None` for gears whose teeth have
+    /// no coordinates of their own.
+    pub fn tooth_displacement(&self, at: StateView<'_>, gear: usize, tooth: Tooth) -> Option<f64> {
+        let g = &self.gears[gear];
+        let own = g.at(at);
+        let teeth = g.model.teeth()?;
+        let moved = g.model.hub_state(own).displacement;
+        Some(teeth.displacement(own, tooth) - moved)
+    }
+
+    fn carrier_frame_pose(&self, at: StateView<'_>, gear: usize) -> Pose {
+        let g = &self.gears[gear];
+        let own = g.at(at);
+        let hub = &g.model.hub().hub;
+        let moved = g.model.hub_state(own).displacement;
+        Placement::new(hub, self.phases[gear]).pose_at(hub, own.t, own.q, moved)
+    }
+
     /// Returns the nodes of a gear's body in the carrier-frame state.
     fn carrier_frame_body(
         &mut self,
@@ -116,8 +148,7 @@ impl Scene {
         let own = g.at(at);
         let hub = &g.model.hub().hub;
         let moved = g.model.hub_state(own).displacement;
-        let placement = Placement::new(hub, self.phases[gear]);
-        let pose = placement.pose_at(hub, own.t, own.q, moved);
+        let pose = self.carrier_frame_pose(at, gear);
         let rigid: Vec<Vec3> = swept.nodes.iter().map(|x| pose.point(x)).collect();
         let Some(teeth) = g.model.teeth() else {
             let displacement = vec![Vec3::zeros(); rigid.len()];

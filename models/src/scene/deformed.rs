@@ -17,6 +17,8 @@ pub struct DeformedFlank {
     pub tooth: u32,
     /// Side of the flank.
     pub side: Side,
+    /// Nodes from the root to the tip in the frame of the gear, undeformed [m].
+    pub at_rest: Vec<Vec3>,
     /// Nodes from the root to the tip after the rigid motion [m]: that of the hub, for reduced gears that of their
     /// mean axes.
     pub with_hub: Vec<Vec3>,
@@ -102,6 +104,7 @@ impl Scene {
             out.push(DeformedFlank {
                 tooth: grid.tooth,
                 side: grid.side,
+                at_rest: (0..grid.rows).map(|r| grid.positions[place(r)]).collect(),
                 with_hub,
                 displacement,
             });

@@ -207,6 +207,33 @@ class Bearing(RecordBase):
 
 
 @dataclass(kw_only=True, repr=True)
+class BodyPath(RecordBase):
+    """Pose of a gear at the frames of a motion.
+
+    Attributes
+    ----------
+    axes : tuple[tuple[float, float, float], tuple[float, float, float], tuple[float, float, float]]
+        Axes of the gear at the start in space; the third is that of its rotation.
+    origin_m : tuple[float, float, float]
+        Place of the origin at the first frame [m].
+    shift_m : Quantised | None
+        Displacement of the origin from the first frame, x, y, z by frame [m]; absent if it
+        rests.
+    tilt : Quantised | None
+        Direction of the axis in the axes of the start, two components by frame [-]; absent if
+        it keeps its direction.
+    turn_rad : Quantised
+        Rotation about its axis by frame [rad].
+    """
+
+    axes: tuple[tuple[float, float, float], tuple[float, float, float], tuple[float, float, float]]
+    origin_m: tuple[float, float, float]
+    shift_m: Quantised | None = None
+    tilt: Quantised | None = None
+    turn_rad: Quantised
+
+
+@dataclass(kw_only=True, repr=True)
 class CandidateRecord(RecordBase):
     """A candidate that was run on the window.
 
@@ -1004,6 +1031,47 @@ class ForceStatistics(RecordBase):
     median_peak_n: float
     rms_n: float
     spells: int
+
+
+@dataclass(kw_only=True, repr=True)
+class FrameContacts(RecordBase):
+    """Contacts of all frames, one frame after the other: slices of lines of contact over the
+    width.
+
+    Attributes
+    ----------
+    counts : list[int]
+        Number of contacts by frame.
+    forces_n : Quantised
+        Forces x, y, z on the second gear of the mesh [N].
+    half_widths_m : Quantised
+        Half width along the profile, 0 where it is not known [m].
+    meshes : list[int]
+        Mesh, counted from 1.
+    points_m : Quantised
+        Places x, y, z [m].
+    sides : list[int]
+        Side of the flank, 0 left and 1 right.
+    teeth : list[tuple[int, int]]
+        Teeth of both gears, counted from 1.
+    value : FlankValue
+        Quantity of the values.
+    values : Quantised
+        Largest pressure, or force per width [Pa, N/m].
+    widths_m : Quantised
+        Part of the face width that the contact represents [m].
+    """
+
+    counts: list[int]
+    forces_n: Quantised
+    half_widths_m: Quantised
+    meshes: list[int]
+    points_m: Quantised
+    sides: list[int]
+    teeth: list[tuple[int, int]]
+    value: FlankValue
+    values: Quantised
+    widths_m: Quantised
 
 
 @dataclass(kw_only=True, repr=True)
@@ -1920,6 +1988,39 @@ class ModesRecord(RecordBase):
 
 
 @dataclass(kw_only=True, repr=True)
+class Motion2(RecordBase):
+    """Motion of all gears of a run at some instants.
+
+    Attributes
+    ----------
+    bodies : list[ToothedBody]
+        The gears, in the order of the scene.
+    contacts : FrameContacts
+        Contacts with their forces.
+    meshes : list[tuple[int, int]]
+        Gears of each mesh, by their places in the list of bodies.
+    paths : list[BodyPath]
+        Poses of the gears, in the order of the scene.
+    teeth : list[ToothDisplacements]
+        Displacements of teeth; of gears with rigid teeth there are none.
+    time_s : FloatArray
+        Times of the frames, ascending [s].
+    view : tuple[tuple[float, float, float], tuple[float, float, float], tuple[float, float, float]]
+        Axes of a picture in space: to the right, upwards and towards the reader, those of the
+        first gear at rest.
+    """
+
+    _arrays: ClassVar[tuple[str, ...]] = ("time_s",)
+    bodies: list[ToothedBody]
+    contacts: FrameContacts
+    meshes: list[tuple[int, int]]
+    paths: list[BodyPath]
+    teeth: list[ToothDisplacements] = field(default_factory=list)
+    time_s: FloatArray
+    view: tuple[tuple[float, float, float], tuple[float, float, float], tuple[float, float, float]]
+
+
+@dataclass(kw_only=True, repr=True)
 class MountPoint(RecordBase):
     """Force of a mount at a mesh frequency.
 
@@ -2080,6 +2181,28 @@ class ProfileRecord(RecordBase):
 
 
 @dataclass(kw_only=True, repr=True)
+class Quantised(RecordBase):
+    """A sequence of numbers with equal steps between the values that they can have.
+
+    Attributes
+    ----------
+    bits : int
+        Bits of each integer: 8, 16 or 32.
+    data : str
+        The integers in base64, the least significant byte first.
+    low : float
+        The least number.
+    step : float
+        Distance of neighbouring values.
+    """
+
+    bits: int
+    data: str
+    low: float
+    step: float
+
+
+@dataclass(kw_only=True, repr=True)
 class ReferenceDistance(RecordBase):
     """Distances of yardstick and choice to a reference of the scene, in the metric of the
     requirement, over the whole scene.
@@ -2228,6 +2351,8 @@ class Run(RunBase):
     modes_of_gears : list[int]
         Dynamic modes of each gear in the order of the scene, 0 of a gear that has none (elastic
         model).
+    motion : Motion2 | None
+        Motion of the gears at some instants, of one run of each model.
     newton_iterations : int
         Number of Newton iterations.
     own_solution : ConvergedSettings | None
@@ -2301,6 +2426,7 @@ class Run(RunBase):
     model: str
     modes: int | None = None
     modes_of_gears: list[int] = field(default_factory=list)
+    motion: Motion2 | None = None
     newton_iterations: int
     own_solution: ConvergedSettings | None = None
     parameters: dict[str, dict[str, Any]] = field(default_factory=dict)
@@ -3052,6 +3178,82 @@ class Tolerance(RecordBase):
     except_: list[str] = field(default_factory=list)
     limit: float
     metric: Metric
+
+
+@dataclass(kw_only=True, repr=True)
+class ToothDisplacements(RecordBase):
+    """Displacements of the teeth of a gear beyond its rigid motion, along both flanks.
+
+    Attributes
+    ----------
+    body : int
+        Place of the gear in the list of bodies, from 0.
+    counts : list[int]
+        Number of displaced teeth by frame.
+    displacements_m : Quantised
+        Displacements x, y in the frame of tooth 0, moved to the tooth: for each tooth by
+        height, flank (the one at y > 0 first) and row [m].
+    heights_m : FloatArray
+        Heights of the columns of points along the axis [m].
+    is_elastic : bool
+        True if the teeth are elastic, false if each moves as a rigid tooth on a spring.
+    rows_m : FloatArray
+        Radii of the points along a flank, from the root to the tip; of a rack their x [m].
+    teeth : list[int]
+        Displaced teeth of all frames, one frame after the other, from 0.
+    """
+
+    _arrays: ClassVar[tuple[str, ...]] = ("heights_m", "rows_m",)
+    body: int
+    counts: list[int]
+    displacements_m: Quantised
+    heights_m: FloatArray
+    is_elastic: bool
+    rows_m: FloatArray
+    teeth: list[int]
+
+
+@dataclass(kw_only=True, repr=True)
+class ToothedBody(RecordBase):
+    """Toothed body in its own frame, as one pitch of its outline in sections across the axis.
+
+    Attributes
+    ----------
+    back_m : float
+        Radius of the bore (0 of a solid gear) or of the rim of an internal gear, and x of the
+        back of a rack [m].
+    first_tooth : int
+        Number of the first tooth: 0, of a rack that of its lowest tooth.
+    gear : str
+        Name of the gear.
+    heights_m : FloatArray
+        Heights of the sections along the axis, ascending [m].
+    is_internal : bool
+        True of an internal gear.
+    is_prism : bool
+        True if all sections are alike; the points are then those of one.
+    is_rack : bool
+        True of a rack, whose teeth follow each other along y and point to -x.
+    pitch : float
+        Distance of neighbouring teeth [rad], of a rack [m].
+    points_m : Quantised
+        Points x, y of tooth 0, section by section, from the middle of one tooth space to that
+        of the next [m].
+    teeth : int
+        Number of teeth.
+    """
+
+    _arrays: ClassVar[tuple[str, ...]] = ("heights_m",)
+    back_m: float
+    first_tooth: int
+    gear: str
+    heights_m: FloatArray
+    is_internal: bool = False
+    is_prism: bool = False
+    is_rack: bool = False
+    pitch: float
+    points_m: Quantised
+    teeth: int
 
 
 @dataclass(kw_only=True, repr=True)

@@ -1,10 +1,11 @@
 //! The report: one self-contained HTML page, for the screen offline and for paper.
 //!
-//! The page makes no request: style, charts and script are in the page. The page is complete without the script
-//! (`charts.js`), which adds what a pointer and keys do on charts. `maud` escapes every text from data; only the charts,
-//! which are SVG already, are inserted unchanged.
+//! The page makes no request: style, charts and scripts are in the page. The page is complete without the scripts:
+//! `charts.js` adds what a pointer and keys do on charts, `gears.js` moves gears. `maud` escapes every text from data; only
+//! the charts, which are SVG already, and the data of moving gears, which are JSON without `<`, are inserted unchanged.
 
 pub mod column;
+pub mod gears;
 pub mod runs;
 pub mod table;
 
@@ -16,6 +17,7 @@ use crate::numbers::{count, quantity};
 use crate::record::{Results, Run, Status};
 use crate::studies::StudyReport;
 use crate::view::{Group, View};
+use gears::Viewer;
 use maud::{DOCTYPE, Markup, PreEscaped, Render, html};
 
 /// Style of all pages.
@@ -155,15 +157,18 @@ pub fn page(results: &Results, report: &StudyReport) -> String {
                         (finding(report))
                     }
                     @if !report.first.is_empty() {
-                        div.first { @for (i, c) in report.first.iter().enumerate() { (chart(i + 1, c)) } }
+                        div.first { @for (i, c) in report.first.iter().enumerate() { (chart(i + 1, c, report.viewer.as_ref())) } }
                     }
                     (report.tables)
-                    @for (i, c) in report.charts.iter().enumerate() { (chart(report.first.len() + i + 1, c)) }
+                    @for (i, c) in report.charts.iter().enumerate() {
+                        (chart(report.first.len() + i + 1, c, report.viewer.as_ref()))
+                    }
                     (models(&View::new(results)))
                     (report.details)
                     (setting(&View::new(results)))
                 }
                 script { (PreEscaped(SCRIPT)) }
+                @if report.viewer.is_some() { (gears::scripts()) }
             }
         }
     };
@@ -190,12 +195,13 @@ fn finding(report: &StudyReport) -> Markup {
 }
 
 /// Renders a chart under its heading, with its number.
-fn chart(number: usize, chart: &Chart) -> Markup {
+fn chart(number: usize, chart: &Chart, viewer: Option<&Viewer>) -> Markup {
     html! {
         section.chart {
             h2 { (chart.title) }
             figure {
                 div.pan { (PreEscaped(&chart.svg)) }
+                @if let Some(v) = viewer.filter(|v| v.chart == chart.file) { (v.figure()) }
                 figcaption { b { "Figure " (number) "." } " " (prose_with_terms(&chart.caption)) }
             }
         }

@@ -72,6 +72,11 @@ impl Results {
                     .validate()
                     .map_err(|e| of_run(format!("contacts.{e}")))?;
             }
+            if let Some(motion) = &run.motion {
+                motion
+                    .validate()
+                    .map_err(|e| of_run(format!("motion.{e}")))?;
+            }
             for (k, m) in run.metrics.iter().enumerate() {
                 if run.metrics[..k].iter().any(|o| o.against == m.against) {
                     return Err(format!("{}: two metrics against {}", name(), m.against));

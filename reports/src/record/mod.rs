@@ -9,8 +9,10 @@ pub(crate) mod checks;
 pub(crate) mod former;
 mod mesh_force;
 mod mesh_mode;
+mod motion;
 mod paths;
 mod picture;
+mod quantised;
 mod run;
 mod source;
 
@@ -23,11 +25,16 @@ pub use crate::studies::{Part, Study};
 pub use mesh_force::MeshForce;
 pub(crate) use mesh_mode::damping_to_text;
 pub use mesh_mode::{MeshMode, damping_differs};
+pub use motion::{
+    BodyPath, BodySection, FrameContacts, FramePose, Motion, OUTLINE, ToothDisplacements,
+    ToothedBody,
+};
 pub use paths::{MemberPath, MeshPath, PlanetShare, ShaftPath, Sharing, TorquePaths};
 pub use picture::{
     ContactPoint, ContactSnapshot, DeformedSection, FlankGrid, FlankLoad, FlankPatch, FlankValue,
     Outline,
 };
+pub use quantised::Quantised;
 pub use run::{ConvergedSettings, Run, Status};
 use serde::{Deserialize, Serialize};
 pub use source::Source;

@@ -1,7 +1,7 @@
 //! The record of a run: one model under one integrator, with cost, status and results.
 
 use super::{
-    ContactSnapshot, Ledger, MeshForce, Metrics, Steady, TorquePaths, is_not_finite, nan,
+    ContactSnapshot, Ledger, MeshForce, Metrics, Motion, Steady, TorquePaths, is_not_finite, nan,
     not_a_number, slug,
 };
 use crate::histories::Histories;
@@ -190,6 +190,9 @@ pub struct Run {
     /// The mesh at peak force.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub contacts: Option<ContactSnapshot>,
+    /// Motion of the gears at some instants, of one run of each model.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub motion: Option<Motion>,
 }
 
 /// Method, step and tolerance of a model's own converged solution.

@@ -26,6 +26,7 @@ use crate::columns::FileDescription;
 use crate::csv_table::CsvTable;
 use crate::drawing::Chart;
 use crate::drawing::canvas::DrawError;
+use crate::markup::gears::Viewer;
 use crate::measured;
 use crate::record::Results;
 use crate::record::checks::each;
@@ -316,6 +317,8 @@ pub struct StudyReport {
     pub tables: Markup,
     /// The other charts, in the order of the page.
     pub charts: Vec<Chart>,
+    /// Moving gears, which the page shows in place of one of the charts where it runs scripts.
+    pub viewer: Option<Viewer>,
     /// Sections below the charts.
     pub details: Markup,
     /// Tables in files of their own.

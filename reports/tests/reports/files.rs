@@ -1,6 +1,6 @@
 //! The files of a report: format, completeness, honesty.
 
-use crate::{contents, finding, has_only_numbers, holds, made_up, written};
+use crate::{contents, finding, has_only_numbers, holds, made_up, without_scripts, written};
 use gearbench_reports::series::{CONTACT_FORCE, SPEED};
 use gearbench_reports::store::{PAGE, RECORD};
 use gearbench_reports::{
@@ -262,7 +262,7 @@ fn a_failed_run_is_shown_as_a_failure() {
 }
 
 #[test]
-fn the_page_is_alone_and_nothing_in_it_runs() {
+fn the_page_is_alone_and_nothing_in_it_runs_but_its_own_script() {
     let mut results = made_up::impact_results();
     let hostile = "<script src=\"http://x\">]]>&'\u{7}";
     results.header.title = hostile.into();
@@ -274,6 +274,9 @@ fn the_page_is_alone_and_nothing_in_it_runs() {
         run.variant = Some(hostile.into());
         run.message = Some(hostile.into());
         run.calibration = Some(hostile.into());
+        if let Some(motion) = &mut run.motion {
+            motion.bodies[0].gear = hostile.into();
+        }
         if let Some(picture) = &mut run.contacts {
             picture.outlines[0].gear = hostile.into();
             picture.contacts[0].pair = hostile.into();
@@ -281,15 +284,67 @@ fn the_page_is_alone_and_nothing_in_it_runs() {
     }
     for (name, text) in written(&results) {
         if name.ends_with(".html") || name.ends_with(".svg") {
-            // The page has the script of its charts, at its end, and no other.
-            let text = text.replace("<script></script></body>", "</body>");
-            assert!(!text.contains("<script") && !text.contains("]]>"), "{name}");
+            // The script of the charts; the data of the moving gears and their script.
+            let own = if name == PAGE { 3 } else { 0 };
+            assert_eq!(text.matches("<script").count(), own, "{name}");
+            assert_eq!(text.matches("</script>").count(), own, "{name}");
+            assert!(!without_scripts(&text, "").contains("]]>"), "{name}");
             assert!(!text.contains('\u{7}'), "{name}");
             for fetch in ["src=", "href=", "@import", "url("] {
-                let quoted = text.replace("src=&quot;", "");
+                // As text of the page and of the data.
+                let quoted = text.replace("src=&quot;", "").replace("src=\\\"", "");
                 assert!(!quoted.contains(fetch), "{fetch} in {name}");
             }
         }
+    }
+}
+
+/// A helical pair has a still picture in space with all faces, contacts and forces; a motion that breaks its own rules is refused.
+#[test]
+fn motions_in_space_have_a_still_picture_and_broken_ones_are_refused() {
+    let mut results = made_up::impact_results();
+    let place = results
+        .runs
+        .iter()
+        .position(|r| r.motion.is_some())
+        .unwrap();
+    results.runs[place].motion = Some(made_up::motion(0.05));
+    let files = written(&results);
+    let still = &files["mesh.svg"];
+    // 50 teeth with more than two faces of flanks each that are turned to the reader.
+    assert!(
+        still.matches("<polygon").count() > 100,
+        "{}",
+        still.matches("<polygon").count()
+    );
+    let page = &files[PAGE];
+    assert!(page.contains("\"spatial\":true") && page.contains("Meshing teeth"));
+    let motion = |change: fn(&mut gearbench_reports::Motion)| {
+        let mut broken = results.clone();
+        change(broken.runs[place].motion.as_mut().unwrap());
+        broken.validate().unwrap_err()
+    };
+    for (error, expected) in [
+        (motion(|m| m.time_s[1] = -1.0), "time_s is not ascending"),
+        (
+            motion(|m| m.contacts.meshes[0] = 2),
+            "the number of no mesh",
+        ),
+        (motion(|m| m.bodies[0].teeth = 0), "0 `teeth`"),
+        (
+            motion(|m| m.bodies[1].points_m.data.truncate(7)),
+            "multiple of 4",
+        ),
+        (
+            motion(|m| m.paths[0].turn_rad.bits = 8),
+            "numbers, expected 3",
+        ),
+        (motion(|m| m.teeth[0].counts[0] = 1), "the sum of counts"),
+    ] {
+        assert!(
+            error.contains("motion.") && error.contains(expected),
+            "{error}"
+        );
     }
 }
 
@@ -301,7 +356,7 @@ fn a_second_study_replaces_the_first_and_spares_the_rest() {
     let mut fewer = made_up::impact_results();
     fewer.runs.truncate(2);
     for run in &mut fewer.runs {
-        run.contacts = None;
+        (run.contacts, run.motion) = (None, None);
     }
     write_results(dir.path(), &fewer).unwrap();
     let files = contents(dir.path());

@@ -1,7 +1,7 @@
 //! Rules for the page of every study: tables that show their results, findings that are short and name fitted models,
 //! plain words, sizes.
 
-use crate::{finding, made_up, precision, written};
+use crate::{finding, made_up, precision, without_scripts, written};
 use gearbench_reports::choice_check::{CheckRecord, Outcome, ValidatedChoice};
 use gearbench_reports::record::SELF;
 use gearbench_reports::stability::{Cell, Columns, Limit, Map, MapAxis, StabilityRecord};
@@ -327,7 +327,8 @@ fn a_tolerance_against_an_absent_model_is_not_applied() {
 #[test]
 fn pages_speak_in_words() {
     for (name, page) in pages() {
-        let said = text(page.split("</style>").nth(1).unwrap());
+        let said = without_scripts(page.split("</style>").nth(1).unwrap(), "");
+        let said = text(&said);
         for m in Metric::ALL.into_iter().filter(|m| m.key().contains('_')) {
             assert!(!said.contains(m.key()), "{name}: {}", m.key());
         }

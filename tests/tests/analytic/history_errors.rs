@@ -102,6 +102,7 @@ impl Impact {
             measurable: false,
             paths: false,
             histories: false,
+            motion: false,
             pictures: None,
             events: true,
             repeats: 0,

@@ -29,6 +29,7 @@ fn history(spec: &SceneSpec) -> TimeSeries {
         measurable: false,
         paths: false,
         histories: false,
+        motion: false,
         pictures: None,
         events: true,
         repeats: 0,

@@ -86,6 +86,7 @@ impl FailureCase {
             measurable: false,
             paths: false,
             histories: false,
+            motion: false,
             pictures: None,
             events: self.events,
             repeats: 0,

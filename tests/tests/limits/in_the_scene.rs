@@ -28,6 +28,7 @@ fn run_with(entry: &Configuration, text: &str, step: f64, t_end: f64) -> Run {
         measurable: false,
         paths: false,
         histories: false,
+        motion: false,
         pictures: None,
         events: true,
         repeats: 0,

@@ -127,6 +127,7 @@ impl<'a> WindowModel<'a> {
             measurable: false,
             paths: false,
             histories: false,
+            motion: false,
             pictures: None,
             events: true,
             repeats: 0,

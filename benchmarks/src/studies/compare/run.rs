@@ -87,6 +87,7 @@ pub fn compare(plan: &Plan, runner: &Runner<'_>) -> Result<Results, RunError> {
             let pictures = plan.pictures_of(entry, method);
             let own_job = || Job {
                 pictures: pictures.as_ref(),
+                motion: !pictured,
                 ..job(method)
             };
             let report = |what: &dyn Display| {
@@ -164,7 +165,7 @@ pub fn compare(plan: &Plan, runner: &Runner<'_>) -> Result<Results, RunError> {
             }
             // Outlines are the same for every integrator: one picture per model is enough.
             if pictured || row.status.is_failure() {
-                row.contacts = None;
+                (row.contacts, row.motion) = (None, None);
             } else {
                 pictured = row.contacts.is_some();
             }

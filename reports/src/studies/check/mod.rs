@@ -301,6 +301,7 @@ impl CheckRecord {
 /// Returns the report of a regression check.
 pub(super) fn report(record: &CheckRecord) -> Result<StudyReport, DrawError> {
     Ok(StudyReport {
+        viewer: None,
         finding: page::finding(record),
         tables: page::moved(record),
         charts: chart::history(record)?,

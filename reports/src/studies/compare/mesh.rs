@@ -1,5 +1,7 @@
 //! Picture of the meshing teeth at peak force, with the contact forces.
 
+use super::motion::{is_spatial, still};
+use super::solid;
 use crate::drawing::Chart;
 use crate::drawing::axis::nice_step;
 use crate::drawing::canvas::{Anchor, Canvas, DrawError, Ink, Stroke, Type, draw, text_width};
@@ -7,17 +9,20 @@ use crate::drawing::geometry::{Rect, clip_polygon};
 use crate::drawing::labels::OccupiedArea;
 use crate::drawing::panel::WIDTH;
 use crate::drawing::style::{curve_style, marker};
+use crate::markup::gears::Viewer;
 use crate::numbers::{counted, quantity, short};
-use crate::record::{ContactPoint, ContactSnapshot, Run};
+use crate::record::{ContactPoint, ContactSnapshot, Motion, Run};
 use crate::view::View;
 
 const GAP: f64 = 20.0;
+/// File of the picture, which the page shows where gears do not move.
+pub(super) const FILE: &str = "mesh.svg";
 
 struct Picture<'a> {
     label: String,
     style: usize,
     run: &'a Run,
-    snapshot: &'a ContactSnapshot,
+    snapshot: ContactSnapshot,
 }
 
 /// Draws up to two models next to each other, each at its own peak force.
@@ -25,16 +30,18 @@ pub fn mesh(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
     let mut pictures: Vec<Picture<'_>> = Vec::new();
     for group in &view.groups {
         let has = |r: &Run| {
-            r.contacts
+            let outlined = |s: &ContactSnapshot| s.outlines.iter().any(|o| o.points.len() > 2);
+            r.motion
                 .as_ref()
-                .is_some_and(|s| s.outlines.iter().any(|o| o.points.len() > 2))
+                .is_some_and(|m| !m.bodies.is_empty() && !m.time_s.is_empty())
+                || r.contacts.as_ref().is_some_and(outlined)
         };
         let best = view.best(group).filter(|(_, r)| has(r));
         let any = || group.runs.iter().find(|(_, r)| has(r));
         let Some((_, run)) = best.or_else(any) else {
             continue;
         };
-        if let Some(snapshot) = &run.contacts {
+        if let Some(snapshot) = still(run) {
             pictures.push(Picture {
                 label: group.label.clone(),
                 style: group.style,
@@ -60,6 +67,9 @@ pub fn mesh(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
     let width = (WIDTH - GAP * (n - 1.0)) / n;
     let plot_height = if n > 1.0 { 400.0 } else { 430.0 };
     let title = "Meshing teeth at peak force";
+    if let Some(motion) = pictures[0].run.motion.as_ref().filter(|m| is_spatial(m)) {
+        return in_space(&pictures[0], motion, title).map(Some);
+    }
     let svg = draw(WIDTH, plot_height + 30.0, title, |c| {
         for (i, p) in pictures.iter().enumerate() {
             let x = i as f64 * (width + GAP);
@@ -82,7 +92,7 @@ pub fn mesh(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
         })
         .collect();
     Ok(Some(Chart {
-        file: "mesh.svg".into(),
+        file: FILE.into(),
         title: title.into(),
         caption: format!(
             "Teeth at the instant of the highest contact force ({}). Arrows: force of each tooth pair on the second gear of \
@@ -91,6 +101,65 @@ pub fn mesh(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
         ),
         svg,
     }))
+}
+
+/// Returns a chart, that of the still picture with the description of the moving gears.
+pub(super) fn captioned(mut chart: Chart, moving: Option<&(Viewer, Vec<String>)>) -> Chart {
+    if chart.file != FILE {
+        return chart;
+    }
+    let Some((viewer, left_out)) = moving else {
+        chart.caption += " The gears of this page do not move: the record has no motion of them, as records of versions \
+                          before the moving gears.";
+        return chart;
+    };
+    chart.title = "Meshing teeth".into();
+    chart.caption = format!(
+        "Moving gears of {}, all at the same time; on paper and without scripts a still picture. Arrows: force of each tooth \
+         pair on the second gear of its mesh. Colours: contact pressure, or force per width. Tooth displacements are \
+         magnified by the factor that the list shows; dashed: teeth without displacement. Between frames, positions are \
+         interpolated. Still picture: {}{}",
+        counted(viewer.models, "model", "models"),
+        chart.caption,
+        match left_out.as_slice() {
+            [] => String::new(),
+            labels => format!(
+                " Models that do not fit into the page: {}.",
+                labels.join("; ")
+            ),
+        }
+    );
+    chart
+}
+
+/// Draws the gears of a model in space.
+fn in_space(p: &Picture<'_>, motion: &Motion, title: &str) -> Result<Chart, DrawError> {
+    const HEIGHT: f64 = 520.0;
+    let frame = motion.nearest(p.snapshot.time_s).unwrap_or(0);
+    let svg = draw(WIDTH, HEIGHT + 30.0, title, |c| {
+        let area = Rect::new(1.0, 29.0, WIDTH - 1.0, 29.0 + HEIGHT);
+        marker(c, (9.0, 14.0), 5.2, curve_style(p.style), true);
+        let heading = format!("{} ({})", p.label, p.run.integrator);
+        c.text(
+            &heading,
+            (21.0, 14.0),
+            Type::new(13.5, Anchor::Start).bold(),
+        );
+        c.fill(&area, Ink::WHITE);
+        solid::paint(c, motion, (frame, curve_style(p.style).ink), &area);
+        c.frame(&area, Stroke::new(Ink::PALE, 1.0));
+    })?;
+    Ok(Chart {
+        file: FILE.into(),
+        title: title.into(),
+        caption: format!(
+            "Gears of {} in space at {}, the instant of the highest contact force. Lines on the teeth: contacts, coloured by \
+             their load from dark to light. Arrows: force of each tooth pair on the second gear of its mesh.",
+            p.label,
+            quantity(p.snapshot.time_s, "s", 3)
+        ),
+        svg,
+    })
 }
 
 /// Returns the section of the plane that the picture shows: centre and half width \[m\].
@@ -140,7 +209,7 @@ fn panel(c: &mut Canvas, p: &Picture<'_>, area: Rect) {
     let bold = Type::new(13.5, Anchor::Start).bold();
     c.text(&heading, (area.x0 + 20.0, 14.0), bold);
     c.fill(&area, Ink::WHITE);
-    if let Some((centre, half)) = focus(p.snapshot) {
+    if let Some((centre, half)) = focus(&p.snapshot) {
         let scale = 0.5 * area.width().min(area.height()) / half;
         let middle = (0.5 * (area.x0 + area.x1), 0.5 * (area.y0 + area.y1));
         let at = |q: [f64; 2]| {

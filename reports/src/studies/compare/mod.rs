@@ -9,8 +9,10 @@ mod glance;
 pub(super) mod histories;
 mod mesh;
 pub(super) mod meshes;
+mod motion;
 pub(super) mod paths;
 mod pressure;
+mod solid;
 mod teeth;
 mod timing;
 mod transmission;
@@ -59,6 +61,7 @@ pub(super) fn report(view: &View<'_>, part: &CompareRecord) -> Result<StudyRepor
         paths::shares(view)?,
         mesh::mesh(view)?,
     ];
+    let moving = motion::viewer(view, mesh::FILE);
     let charts = (before.into_iter().flatten())
         .chain(flanks::flanks(view)?)
         .chain(deformed::deformed(view)?);
@@ -68,7 +71,10 @@ pub(super) fn report(view: &View<'_>, part: &CompareRecord) -> Result<StudyRepor
         answer: usize::from(view.yardstick.is_some()),
         first: first.into_iter().flatten().collect(),
         tables: html! { (glance::glance(view)) (timing::timing(view, part)) (meshes::table(view)) (paths::tables(view)) },
-        charts: charts.collect(),
+        charts: charts
+            .map(|c| mesh::captioned(c, moving.as_ref()))
+            .collect(),
+        viewer: moving.map(|(viewer, _)| viewer),
         details: runs::all(view),
         csv: [meshes::csv(view), paths::csv(view)].concat(),
         ..StudyReport::default()

@@ -6,9 +6,10 @@
 mod studies;
 
 use gearbench_reports::{
-    ContactPoint, ContactSnapshot, FinishedRun, FlankGrid, FlankLoad, FlankPatch, FlankValue,
-    Ledger, Machine, Metric, Metrics, Outline, Part, ReferenceSeries, Results, Run, Status,
-    StudyHeader, TimeSeries, Tolerance, compare,
+    BodyPath, ContactPoint, ContactSnapshot, FinishedRun, FlankGrid, FlankLoad, FlankPatch,
+    FlankValue, FrameContacts, Ledger, Machine, Metric, Metrics, Motion, OUTLINE, Outline, Part,
+    Quantised, ReferenceSeries, Results, Run, Status, StudyHeader, TimeSeries, Tolerance,
+    ToothDisplacements, ToothedBody, compare,
 };
 use std::f64::consts::PI;
 pub use studies::{
@@ -157,6 +158,85 @@ pub fn snapshot(forces: &[(f64, f64, &str)]) -> ContactSnapshot {
     }
 }
 
+/// Makes the motion of the pair 20/30 at three instants, helical if `helix` is not 0 [rad]: teeth of trapezoids, one contact, and
+/// one tooth of the first gear displaced.
+pub fn motion(helix: f64) -> Motion {
+    let body = |name: &str, teeth: u32, reach: f64| {
+        let pitch = 2.0 * PI / f64::from(teeth);
+        let section = |turn: f64| {
+            let root = reach - 9e-3;
+            [
+                (-0.5, root),
+                (-0.36, root),
+                (-0.15, reach),
+                (0.0, reach),
+                (0.15, reach),
+                (0.36, root),
+                (0.5, root),
+            ]
+            .map(|(part, r)| {
+                [
+                    r * (part * pitch + turn).cos(),
+                    r * (part * pitch + turn).sin(),
+                ]
+            })
+        };
+        let sections = if helix == 0.0 {
+            vec![section(0.0)]
+        } else {
+            vec![section(-helix), section(helix)]
+        };
+        ToothedBody {
+            gear: name.into(),
+            teeth,
+            pitch,
+            back_m: 0.01,
+            heights_m: vec![-5e-3, 5e-3],
+            is_prism: helix == 0.0,
+            points_m: Quantised::of(&sections.concat().concat(), OUTLINE),
+            ..ToothedBody::default()
+        }
+    };
+    let path = |origin: f64, turns: [f64; 3]| BodyPath {
+        axes: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+        origin_m: [origin, 0.0, 0.0],
+        turn_rad: Quantised::of(&turns, 1e-8),
+        ..BodyPath::default()
+    };
+    let of = |values: &[f64]| Quantised::relative(values);
+    Motion {
+        view: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+        bodies: vec![body("gear 1", 20, 0.044), body("gear 2", 30, 0.064)],
+        time_s: vec![0.0, 6.31e-5, 1.2e-4],
+        paths: vec![
+            path(0.0, [0.0, 1e-3, 2e-3]),
+            path(0.1, [0.0, -5e-4, -1.2e-3]),
+        ],
+        teeth: vec![ToothDisplacements {
+            body: 0,
+            rows_m: vec![0.035, 0.044],
+            heights_m: vec![0.0],
+            counts: vec![0, 1, 1],
+            teeth: vec![0, 0],
+            displacements_m: of(&[0.0, 0.0, 0.0, 2e-6, 0.0, 0.0, 0.0, 2e-6].repeat(2)),
+            ..ToothDisplacements::default()
+        }],
+        meshes: vec![[0, 1]],
+        contacts: FrameContacts {
+            counts: vec![0, 1, 0],
+            meshes: vec![1],
+            teeth: vec![[1, 1]],
+            sides: vec![0],
+            points_m: of(&[0.04, 1e-3, 0.0]),
+            forces_n: of(&[1200.0, 3300.0, 0.0]),
+            widths_m: of(&[0.01]),
+            half_widths_m: of(&[2e-4]),
+            value: FlankValue::Pressure,
+            values: of(&[5e8]),
+        },
+    }
+}
+
 /// Makes a flank with an ellipse of pressure for each force.
 fn flank(forces: &[(f64, f64, &str)]) -> FlankLoad {
     let mut patches = Vec::new();
@@ -264,6 +344,7 @@ pub fn impact_results() -> Results {
                     invariant_drift_rel: Some(3.1e-15),
                 },
                 contacts: (i < 3).then(|| snapshot(&[(0.0016, peak, "1-1")])),
+                motion: (i == 0).then(|| motion(0.0)),
                 ..Run::default()
             };
             run.metrics = vec![metrics_of(&series, &run.ledger, &reference, "calculix")];
