@@ -86,9 +86,7 @@ def main() -> None:
         calls = counted.calls - before
         a, b, c = (1e3 * x for x in least)
         each = 1e3 * (b - a) / calls
-        print(
-            f"| {method} | {a:.3f} ms | {b:.3f} ms | {c:.3f} ms | {calls} | {each:.2f} us |"
-        )
+        print(f"| {method} | {a:.3f} ms | {b:.3f} ms | {c:.3f} ms | {calls} | {each:.2f} us |")
 
 
 if __name__ == "__main__":

@@ -200,7 +200,8 @@ def test_mpi_runs_the_parts_in_its_processes(plain, tmp_path):
     command = [launcher, "-n", "3", sys.executable, "-m", "mpi4py.futures", str(script)]
     # Open MPI refuses the administrator and more processes than processors unless told otherwise.
     told = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
-    told |= {"OMPI_MCA_rmaps_base_oversubscribe": "1", "PRTE_MCA_rmaps_default_mapping_policy": ":oversubscribe"}  # fmt: skip
+    told["OMPI_MCA_rmaps_base_oversubscribe"] = "1"
+    told["PRTE_MCA_rmaps_default_mapping_policy"] = ":oversubscribe"
     done = subprocess.run(
         command, env={**os.environ, **told}, capture_output=True, text=True, timeout=300
     )

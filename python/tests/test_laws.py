@@ -1,4 +1,4 @@
-"""Contact laws that are functions of Python: runs, energy, exceptions, and what such a scene cannot do."""
+"""Contact laws that are functions of Python: runs, energy, exceptions, limits of such a scene."""
 
 from __future__ import annotations
 
@@ -62,14 +62,14 @@ def pair(model="rigid", loaded=False, **contact):
         parameters = {
             "tooth_mass_kg": 5e-3, "tooth_stiffness_n_per_m": 2e8, "tooth_damping_ns_per_m": 0.0,
         }  # fmt: skip
+    start = gb.Start(flank="left", gap_m=0.0 if loaded else 2e-6)
+    contact = gb.Contact(stiffness=stiffness, **contact)
     return gb.Scene(
-        gb.Pair(gear, wheel, backlash_m=80e-6, start={"flank": "left", "gap_m": 0.0 if loaded else 2e-6}),
+        gb.Pair(gear, wheel, backlash_m=80e-6, start=start),
         name="pair",
         duration_s=2e-4,
-        models=[
-            gb.Model(model=model, contact=gb.Contact(stiffness=stiffness, **contact), parameters=parameters)
-        ],
-    )  # fmt: skip
+        models=[gb.Model(model=model, contact=contact, parameters=parameters)],
+    )
 
 
 def force(run):
@@ -121,17 +121,16 @@ def test_studies_and_other_scenes_have_the_law():
     result = scene.compare(integrators="dopri5@1e-6", repeats=1)
     assert result.runs[0].metrics is not None and result.runs[0].status != "failed"
     faster = scene.changed({"gears.pinion.speed_rad_s": 40.0})
-    assert force(faster.run("rigid", "dopri5@1e-6")).max() > force(
-        scene.run("rigid", "dopri5@1e-6")
-    ).max()
+    assert (
+        force(faster.run("rigid", "dopri5@1e-6")).max()
+        > force(scene.run("rigid", "dopri5@1e-6")).max()
+    )
     again = scene.replace(duration_s=1e-4)
     assert again.models[0].contact["normal_force"].function is spring
     assert scene == pair(normal_force=spring) != pair(normal_force=lambda g, v: -2e8 * g)
     scan = scene.scan(vary={"gears.pinion.speed_rad_s": [10, 20]}, integrators="dopri5@1e-6")
     assert np.diff(scan.to_columns()["peak_force_n"]) > 0
-    known = scene.replace(
-        models=[gb.Model(model="rigid", contact=gb.Contact(stiffness="iso6336"))]
-    )
+    known = scene.replace(models=[gb.Model(model="rigid", contact=gb.Contact(stiffness="iso6336"))])
     assert gb.Scene.parse(known.dump()) == known
 
 

@@ -241,8 +241,9 @@ fn refined(
     let middle = 0.5 * (from + to);
     let halves = [gauss(of, from, middle), gauss(of, middle, to)];
     let sum = halves[0] + halves[1];
-    // A sum that is not a number is returned as it is.
-    if halvings == 0 || !((sum - whole).abs() > tolerance) {
+    // A sum that is not a number does not count as a change.
+    let has_changed = (sum - whole).abs() > tolerance;
+    if halvings == 0 || !has_changed {
         return sum;
     }
     refined(of, [from, middle], halves[0], tolerance, halvings - 1)
@@ -310,7 +311,7 @@ mod tests {
                     assert!(same(by_k[0], by_k[1], 1e-9), "{by_k:?}");
                 }
             }
-            assert_eq!(own.is_dissipative(), true);
+            assert!(own.is_dissipative());
             assert!(!own.is_linear_elastic() && !own.is_piecewise_linear());
         }
     }

@@ -107,7 +107,10 @@ def refusal(names: Any, what: str) -> SceneError:
     """Return the exception for a scene that only this program has."""
     law = ", ".join(f"`{name}`" for name in names)
     message = f"the scene has the contact law {law}, a function of Python, and cannot be {what}"
-    help = "keep the script that makes it, scan without an executor, or give the contact exponent and damping"
+    help = (
+        "keep the script that makes it, scan without an executor, or give the contact `exponent` "
+        "and `damping`"
+    )
     return SceneError(f"{message}\n  help: {help}", message=message, help=help)
 
 

@@ -127,5 +127,5 @@ fn a_law_of_a_program_needs_tooth_pairs_and_has_its_own_damping() {
         text.contains("`stiffening`") && text.contains("hunt-crossley"),
         "{text}"
     );
-    assert!(error.reason().help.contains("remove"), "{error:?}");
+    assert!(error.reason.help.contains("remove"), "{error:?}");
 }
