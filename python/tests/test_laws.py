@@ -119,7 +119,7 @@ def potential(gap):
 def test_studies_and_other_scenes_have_the_law():
     scene = pair(normal_force=spring)
     result = scene.compare(integrators="dopri5@1e-6", repeats=1)
-    assert result.runs[0].metrics is not None and result.runs[0].status != "failed"
+    assert force(result.runs[0]).max() == force(scene.run("rigid", "dopri5@1e-6")).max()
     faster = scene.changed({"gears.pinion.speed_rad_s": 40.0})
     assert (
         force(faster.run("rigid", "dopri5@1e-6")).max()
@@ -218,8 +218,9 @@ def test_a_scene_with_a_law_stays_in_its_program(tmp_path):
         with pytest.raises(gb.SceneError, match="workers of an executor"):
             scene.scan(vary=vary, executor=threads)
     # A file that names a law of another program.
-    with pytest.raises(gb.SceneError, match="no contact law `spring`") as refused:
+    with pytest.raises(gb.SceneError) as refused:
         gb.Scene.parse(scene._text)
+    assert "no contact law `spring`" in refused.value.message
     assert refused.value.line and "normal_force" in refused.value.help
     assert copy.copy(gb.Contact(stiffness="iso6336")) == gb.Contact(stiffness="iso6336")
 
@@ -240,9 +241,9 @@ def test_wrong_laws_are_refused():
             ],
         )
     damped = pair(normal_force=spring, damping=gb.ContactDamping(law="flores", e=0.9))
-    with pytest.raises(gb.SceneError, match="the whole normal force") as refused:
+    with pytest.raises(gb.SceneError) as refused:
         damped.run("rigid", "rk4@1us")
-    assert "remove" in refused.value.help
+    assert "the whole normal force" in refused.value.message and "remove" in refused.value.help
     elastic = pair(normal_force=spring).replace(
         models=[
             gb.Model(
@@ -252,6 +253,6 @@ def test_wrong_laws_are_refused():
             )
         ]
     )
-    with pytest.raises(gb.SceneError, match="between tooth pairs") as refused:
+    with pytest.raises(gb.SceneError) as refused:
         elastic.run("elastic", "trigonometric@1us")
-    assert "rigid" in refused.value.help
+    assert "between tooth pairs" in refused.value.message and "rigid" in refused.value.help

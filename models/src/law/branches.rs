@@ -97,7 +97,7 @@ impl Law {
         } else {
             self.left(g, g_rate, v0, k)
         };
-        let length = self.as_length(left, k);
+        let length = self.length_at(left, g, v0, k);
         if length == 0.0 && g_rate > 0.0 && self.user_law().is_some() {
             // A force that is cut off at zero does not change its sign.
             return -ENDED;

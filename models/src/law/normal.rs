@@ -391,7 +391,21 @@ impl Law {
             // A force that is cut off at zero has no slope towards its beginning.
             return ENDED;
         }
-        g.max(-self.as_length(n, k))
+        g.max(-self.length_at(n, g, v0, k))
+    }
+
+    /// Converts a force of a contact with one branch to a length with the same sign and simple roots (m): see
+    /// [`Self::as_length`]. The exponent of a law of a program is not known; its length is the penetration, multiplied by
+    /// the force over that at rest.
+    #[inline]
+    pub(super) fn length_at(&self, n: f64, g: f64, v0: f64, k: f64) -> f64 {
+        if let Power::User(own) = &self.power {
+            let at_rest = own.force(g, 0.0, v0, k);
+            if g != 0.0 && at_rest != 0.0 {
+                return -g * (n / at_rest);
+            }
+        }
+        self.as_length(n, k)
     }
 
     /// Returns the force that is left of a closed contact with one branch; negative after its end.

@@ -168,7 +168,9 @@ def _study(command: str, about: str, arguments: Sequence[Argument]) -> Callable[
 
 def _documented(command: str, about: str, arguments: Sequence[Argument]) -> str:
     text = f"{about}.\n\nParameters\n----------\nscene : Scene or str\n"
-    text += "    The scene, or its name or path.\nprogress : callable or True, optional\n"
+    of_file = {"check": "The path of a file of checks.", "mesh": "A scene, or the path of a deck."}
+    text += f"    {of_file.get(command, 'The scene, or its name or path.')}\n"
+    text += "progress : callable or True, optional\n"
     text += "    Called with the pieces done, their number (0 if unknown) and the present one;\n"
     text += "    True for a bar of tqdm.\n"
     if command == "scan":
