@@ -92,6 +92,6 @@ END
   # The examples as notebooks and as pages of the book.
   (root=$PWD; cd "$folder" && "$own/bin/python" "$root/python/notebooks.py" "$root/target/notebooks")
   (root=$PWD; cd "$folder" && "$own/bin/mypy" --strict --cache-dir "$folder/mypy" --ignore-missing-imports "$root"/python/examples/*.py "$root"/python/notebooks.py \
-    "$root"/python/measure/throughput.py)
+    "$root"/python/measure/throughput.py "$root"/python/measure/laws.py)
   (cd python/package && "$own/bin/mypy" --strict --cache-dir "$folder/mypy" --ignore-missing-imports gearbench)
 done

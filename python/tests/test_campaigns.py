@@ -158,8 +158,9 @@ def test_loky_replaces_a_worker_that_dies(plain, tmp_path):
     pools[-1].shutdown(kill_workers=True)
 
 
-def test_submitit_runs_each_part_as_a_job(plain, tmp_path):
+def test_submitit_runs_each_part_as_a_job_of_which_one_dies(plain, tmp_path):
     submitit = pytest.importorskip("submitit")
+    died = []
 
     class Jobs(Executor):
         """The interface of `concurrent.futures` over submitit's jobs, which are polled."""
@@ -170,41 +171,64 @@ def test_submitit_runs_each_part_as_a_job(plain, tmp_path):
             self.waiting = ThreadPoolExecutor(2)
 
         def submit(self, function, /, *given, **named):
-            return self.waiting.submit(
-                lambda: self.executor.submit(function, *given, **named).result()
-            )
+            def wait():
+                job = self.executor.submit(function, *given, **named)
+                if not died:
+                    died.append(job.job_id)
+                    job.cancel()
+                return job.result()
+
+            return self.waiting.submit(wait)
 
     result = gb.scan("spur_impact", vary=VARY, models="rigid", executor=Jobs(tmp_path), shards=3)
-    assert cells(result) == plain
+    assert died and cells(result) == plain
 
 
 WITH_MPI = """
-import sys
+import os
 import gearbench as gb
+from gearbench import _campaign
 from mpi4py.futures import MPIPoolExecutor
 
+whole = _campaign.run_part
+calls = []
+
+def dies_once(*call):
+    # The second part of a process ends it, in the first run of the script.
+    calls.append(call)
+    if len(calls) == 2 and not os.path.exists({marker}):
+        open({marker}, "w").close()
+        os.abort()
+    return whole(*call)
+
 if __name__ == "__main__":
+    _campaign.run_part = dies_once
     with MPIPoolExecutor() as executor:
         gb.scan("spur_impact", vary={vary}, models="rigid", executor=executor, shards=5, out={out})
 """
 
 
-def test_mpi_runs_the_parts_in_its_processes(plain, tmp_path):
+def test_mpi_goes_on_after_the_parts_that_its_processes_finished(plain, tmp_path):
     pytest.importorskip("mpi4py")
     folders = [os.path.dirname(sys.executable), os.environ.get("PATH", os.defpath)]
     launcher = shutil.which("mpiexec", path=os.pathsep.join(folders))
     if launcher is None:
         pytest.skip("mpiexec is not installed")
     script, out = tmp_path / "scan.py", str(tmp_path / "scan")
-    script.write_text(WITH_MPI.format(vary=VARY, out=repr(out)))
+    marker = tmp_path / "died"
+    script.write_text(WITH_MPI.format(vary=VARY, out=repr(out), marker=repr(str(marker))))
     command = [launcher, "-n", "3", sys.executable, "-m", "mpi4py.futures", str(script)]
     # Open MPI refuses the administrator and more processes than processors unless told otherwise.
     told = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
     told["OMPI_MCA_rmaps_base_oversubscribe"] = "1"
     told["PRTE_MCA_rmaps_default_mapping_policy"] = ":oversubscribe"
-    done = subprocess.run(
-        command, env={**os.environ, **told}, capture_output=True, text=True, timeout=300
-    )
-    assert done.returncode == 0, done.stderr
+    for dies in (True, False):
+        done = subprocess.run(
+            command, env={**os.environ, **told}, capture_output=True, text=True, timeout=300
+        )
+        assert (done.returncode != 0) == dies, done.stderr
+        assert marker.exists()
+        # Without a worker MPI ends all processes; finished parts stay.
+        assert not dies or os.listdir(f"{out}.parts")
     with open(os.path.join(out, "cells.csv"), encoding="utf-8") as file:
         assert file.read() == plain
