@@ -104,7 +104,10 @@ fn an_elastic_law_of_a_program_keeps_the_energy() {
             let error = o.ledger.end.total() / o.ledger.start.unwrap().total() - 1.0;
             // The step is that for a linear spring; this one is stiffer where it is deep.
             let bound = if method.info.order > 1 { 1e-6 } else { 4e-6 };
-            assert!(error.abs() <= bound, "{what}: energy changes by {error:.2e}");
+            assert!(
+                error.abs() <= bound,
+                "{what}: energy changes by {error:.2e}"
+            );
             let residual = o.ledger.residual_relative();
             assert!(residual.abs() <= bound, "{what}: ledger {residual:.2e}");
             assert_eq!(o.ledger.end.contact, 0.0, "{what}: still in contact");
