@@ -79,20 +79,22 @@ def force(run):
 @pytest.mark.parametrize("model", ["rigid", "movable-teeth"])
 @pytest.mark.parametrize("method", METHODS)
 def test_a_law_of_python_gives_the_run_of_the_built_in_law(model, method):
+    if model == "movable-teeth" and method.startswith("trigonometric"):
+        pytest.skip("the method needs coordinates that are independent oscillators")
     stiffness = 1e10 * 1e-5**-0.5
-    known = pair(
-        model,
-        stiffness=stiffness,
-        exponent=1.5,
-        damping=gb.ContactDamping(law="hunt-crossley", e=E),
-    )
-    expected = force(known.run(model, method))
-    assert expected.max() > 1000
+    damping = gb.ContactDamping(law="hunt-crossley", e=E)
+    known = pair(model, stiffness=stiffness, exponent=1.5, damping=damping).run(model, method)
+    assert force(known).max() > 1000 and known.ledger.dissipated_j > 0
+    grid = np.linspace(0.0, 2e-4, 1501)
     for law in (hunt_crossley, with_derivatives):
-        found = force(pair(model, stiffness=stiffness, normal_force=law).run(model, method))
-        # Rounding, and tangents by differences in the control of errors and Newton iterations.
-        bound = 1e-6 if "e-" in method else 1e-9
-        assert np.abs(found - expected).max() < bound * expected.max(), law.__name__
+        own = pair(model, stiffness=stiffness, normal_force=law).run(model, method)
+        # Rounding, and tangents by differences in Newton iterations.
+        assert own.steps == known.steps, law.__name__
+        assert force(own).max() == pytest.approx(force(known).max(), rel=1e-8), law.__name__
+        assert own.ledger.dissipated_j == pytest.approx(known.ledger.dissipated_j, rel=1e-8)
+        # Samples at the ends of contacts lie within the accuracy of their location.
+        one, other = (np.interp(grid, r.series.time_s, force(r)) for r in (known, own))
+        assert np.abs(one - other).max() < 1e-5 * one.max(), law.__name__
 
 
 def test_an_elastic_law_keeps_the_energy_and_loaded_gears_vibrate():
