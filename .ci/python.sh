@@ -18,9 +18,12 @@ version_of() {
   "$1" -c 'import sys; assert sys.version_info >= (3, 10); print("%d.%02d" % sys.version_info[:2])' 2> /dev/null || true
 }
 
-# Interpreters on the path, and those that PYTHONS names (paths separated by spaces).
+# Interpreters on the path, those that pyenv has installed without a shim that is on, and those that PYTHONS names (paths
+# separated by spaces).
+pyenv=${PYENV_ROOT:-$(pyenv root 2> /dev/null || echo "$HOME/.pyenv")}
 found=$(
-  for python in python3.10 python3.11 python3.12 python3.13 python3.14 python3.15 python3 ${PYTHONS:-}; do
+  for python in python3.10 python3.11 python3.12 python3.13 python3.14 python3.15 python3 "$pyenv"/versions/*/bin/python3 \
+    ${PYTHONS:-}; do
     command -v "$python" > /dev/null || continue
     version=$(version_of "$python")
     if [ -n "$version" ]; then echo "$version $python"; fi
@@ -77,7 +80,7 @@ least = min(seconds() for _ in range(7))
 print(f"import, with the start of Python: {least:.3f} s")
 END
   )
-  "$own/bin/pip" install --quiet --disable-pip-version-check pytest mypy pandas xarray matplotlib distributed >> "$log" 2>&1 \
+  "$own/bin/pip" install --quiet --disable-pip-version-check pytest mypy pandas xarray matplotlib distributed loky >> "$log" 2>&1 \
     || leave_out "Python $version: pip failed ($log)"
   (
     cd python/tests
@@ -89,6 +92,6 @@ END
   # The examples as notebooks and as pages of the book.
   (root=$PWD; cd "$folder" && "$own/bin/python" "$root/python/notebooks.py" "$root/target/notebooks")
   (root=$PWD; cd "$folder" && "$own/bin/mypy" --strict --cache-dir "$folder/mypy" --ignore-missing-imports "$root"/python/examples/*.py "$root"/python/notebooks.py \
-    "$root"/python/measure/throughput.py)
+    "$root"/python/measure/throughput.py "$root"/python/measure/laws.py)
   (cd python/package && "$own/bin/mypy" --strict --cache-dir "$folder/mypy" --ignore-missing-imports gearbench)
 done

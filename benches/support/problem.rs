@@ -126,6 +126,7 @@ impl Problem {
                 },
                 exponent: 1.0,
                 damping: Damping::KelvinVoigtRatio { ratio: RATIO },
+                normal_force: None,
                 friction: None,
                 slices: None,
                 flanks: FlankContact::Toothing,

@@ -1,4 +1,4 @@
-//! Models, messages, memory and interruption of a command or a study, and the use of its record.
+//! Models, contact laws, messages, memory and interruption of a command or a study, and the use of its record.
 //!
 //! A program makes a context and hands it on, to the loading of scenes first: a scene keeps its context, and the
 //! conditions of its studies have it from there. The thread that loads the scenes and runs the studies works
@@ -8,6 +8,7 @@
 use crate::experiment::interruption::Interruption;
 use crate::messages::Messages;
 use gearbench_models::gear::table::Model;
+use gearbench_models::law::ForceLaw;
 use gearbench_reference::resources::Resources;
 use gearbench_reports::record::Source;
 use std::fmt;
@@ -37,11 +38,13 @@ impl fmt::Debug for ProgressObserver {
     }
 }
 
-/// Models, messages, memory and interruption of a command or a study; a clone is the same context.
+/// Models, contact laws, messages, memory and interruption of a command or a study; a clone is the same context.
 #[derive(Clone, Debug)]
 pub struct Context {
     /// The gear models that scenes can name.
     pub models: Arc<[Model]>,
+    /// The contact laws of the program, which scenes name by `normal_force`.
+    pub laws: Arc<[Arc<dyn ForceLaw>]>,
     /// The request that its studies end.
     pub interruption: Interruption,
     /// The source of the record that is rerun, or the text of a scene that a program made, which replace the file of that
@@ -62,6 +65,7 @@ impl Default for Context {
     fn default() -> Self {
         Context {
             models: crate::models::models().into(),
+            laws: Arc::new([]),
             interruption: Interruption::default(),
             rerun: None,
             messages: Messages::default(),
@@ -82,6 +86,15 @@ impl Context {
             scene: text.to_owned(),
             ..Source::default()
         }));
+        self
+    }
+
+    /// Adds a contact law, which scenes select by its name. An existing law with the same name is kept.
+    #[must_use]
+    pub fn with_law(mut self, law: Arc<dyn ForceLaw>) -> Self {
+        if self.laws.iter().all(|l| l.name() != law.name()) {
+            self.laws = [&*self.laws, &[law]].concat().into();
+        }
         self
     }
 

@@ -89,6 +89,8 @@ pub enum MeshPart {
     Stiffness,
     /// The exponent of the normal law.
     Exponent,
+    /// The normal force by a law of a program.
+    NormalForce,
     /// The damping of the normal law.
     Damping,
     /// The friction law.

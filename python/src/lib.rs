@@ -9,6 +9,7 @@
 //! | `values` | values of Python as TOML, and the reverse |
 //! | `scenes` | scenes: read, written, checked, changed |
 //! | `studies` | studies by name with their arguments, progress and interruption |
+//! | `laws` | contact laws that are functions of Python |
 //! | `simulation` | runs of one model under one integrator |
 //! | `errors` | errors as exceptions with message, line and help |
 

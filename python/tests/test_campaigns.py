@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import os
+import shutil
 import signal
+import subprocess
 import sys
-from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+from concurrent.futures import Executor, ProcessPoolExecutor, ThreadPoolExecutor
 
 import gearbench as gb
 import pytest
@@ -134,3 +136,99 @@ def test_a_local_dask_cluster_of_which_a_worker_is_killed(plain, tmp_path):
                 shards=8, progress=kill,
             )  # fmt: skip
     assert killed and cells(result) == plain
+
+
+def test_loky_replaces_a_worker_that_dies(plain, tmp_path):
+    loky = pytest.importorskip("loky")
+    marker = str(tmp_path / "died")
+    pools = []
+
+    def pool():
+        # A pool whose worker died is broken, and another one takes its place.
+        pools.append(
+            loky.get_reusable_executor(
+                max_workers=2, reuse=False, initializer=die_once, initargs=(marker,)
+            )
+        )
+        return pools[-1]
+
+    result = gb.scan("spur_impact", vary=VARY, models="rigid", executor=pool, shards=4)
+    assert os.path.exists(marker) and len(pools) > 1
+    assert cells(result) == plain
+    pools[-1].shutdown(kill_workers=True)
+
+
+def test_submitit_runs_each_part_as_a_job_of_which_one_dies(plain, tmp_path):
+    submitit = pytest.importorskip("submitit")
+    died = []
+
+    class Jobs(Executor):
+        """The interface of `concurrent.futures` over submitit's jobs, which are polled."""
+
+        def __init__(self, folder):
+            self.executor = submitit.LocalExecutor(folder=folder)
+            self.executor.update_parameters(timeout_min=5)
+            self.waiting = ThreadPoolExecutor(2)
+
+        def submit(self, function, /, *given, **named):
+            def wait():
+                job = self.executor.submit(function, *given, **named)
+                if not died:
+                    died.append(job.job_id)
+                    job.cancel()
+                return job.result()
+
+            return self.waiting.submit(wait)
+
+    result = gb.scan("spur_impact", vary=VARY, models="rigid", executor=Jobs(tmp_path), shards=3)
+    assert died and cells(result) == plain
+
+
+WITH_MPI = """
+import os
+import gearbench as gb
+from gearbench import _campaign
+from mpi4py.futures import MPIPoolExecutor
+
+whole = _campaign.run_part
+calls = []
+
+def dies_once(*call):
+    # The second part of a process ends it, in the first run of the script.
+    calls.append(call)
+    if len(calls) == 2 and not os.path.exists({marker}):
+        open({marker}, "w").close()
+        os.abort()
+    return whole(*call)
+
+if __name__ == "__main__":
+    _campaign.run_part = dies_once
+    with MPIPoolExecutor() as executor:
+        gb.scan("spur_impact", vary={vary}, models="rigid", executor=executor, shards=5, out={out})
+"""
+
+
+def test_mpi_goes_on_after_the_parts_that_its_processes_finished(plain, tmp_path):
+    pytest.importorskip("mpi4py")
+    folders = [os.path.dirname(sys.executable), os.environ.get("PATH", os.defpath)]
+    launcher = shutil.which("mpiexec", path=os.pathsep.join(folders))
+    if launcher is None:
+        pytest.skip("mpiexec is not installed")
+    script, out = tmp_path / "scan.py", str(tmp_path / "scan")
+    marker = tmp_path / "died"
+    script.write_text(WITH_MPI.format(vary=VARY, out=repr(out), marker=repr(str(marker))))
+    command = [launcher, "-n", "3", sys.executable, "-m", "mpi4py.futures", str(script)]
+    # Open MPI refuses the administrator and more processes than processors unless told otherwise.
+    told = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
+    told["OMPI_MCA_rmaps_base_oversubscribe"] = "1"
+    told["PRTE_MCA_rmaps_default_mapping_policy"] = ":oversubscribe"
+    for dies in (True, False):
+        done = subprocess.run(
+            command, env={**os.environ, **told}, capture_output=True, text=True, timeout=300
+        )
+        assert (done.returncode != 0) == dies, done.stderr
+        assert marker.exists()
+        # Without a worker MPI ends all processes; finished parts stay.
+        assert not dies or os.listdir(f"{out}.parts")
+    with open(os.path.join(out, "cells.csv"), encoding="utf-8") as file:
+        assert file.read() == plain

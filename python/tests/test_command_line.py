@@ -6,6 +6,7 @@ import dataclasses
 import json
 import keyword
 import os
+import pathlib
 import shutil
 import subprocess
 
@@ -28,12 +29,29 @@ STUDIES = {
     "precision": {"models": "rigid", "integrators": "rk4,dopri5", "repeats": 1},
     "identify": {"model": "rigid"},
     "sweep": {"models": "rigid", "points": 2},
+    "stability": {"models": "rigid", "integrators": "rk4,hht-alpha", "threads": 2},
+    "truncation": {
+        "any_reference": True,
+        "models": "elastic,fe",
+        "counts": [0, 5, 20],
+        "repeats": 1,
+    },
+    "coupling": {"models": "rigid", "steps": "1e-6:1e-4:3", "threads": 2},
+    "penalty": {"model": "elastic-nodes", "points": 3, "positions": 4},
+    "cost": {"models": "rigid", "integrators": "dopri5@1e-6,rk4@1us", "repeats": 1},
 }
+# Small scenes of the tests of the workspace, for studies that take long on shipped ones.
+SMALL = pathlib.Path(__file__).parents[2] / "tests" / "fingerprint"
 SCENES = {
     "compare": ["spur_impact", "hammer", "rack_pinion"],
     "precision": ["spur_impact", "hammer", "rack_pinion"],
-    "identify": ["spur_impact", "spur_impact_large"],
+    "identify": ["spur_impact", "spur_impact_large", "rack_pinion"],
     "sweep": ["loaded_mesh", "ring_pair", "mesh_efficiency"],
+    "stability": [str(SMALL / "impact.toml")],
+    "truncation": [str(SMALL / "impact.toml")],
+    "coupling": [str(SMALL / "loaded.toml")],
+    "penalty": [str(SMALL / "impact.toml")],
+    "cost": [str(SMALL / "hammer.toml")],
 }
 
 
@@ -64,7 +82,8 @@ def assert_same(found, written, path):
 @pytest.mark.filterwarnings("ignore::gearbench.SceneWarning")
 def test_numbers_are_those_of_the_command_line(study, name, tmp_path):
     options = STUDIES[study]
-    words = [f"--{key.replace('_', '-')}={value}" for key, value in options.items()]
+    arguments = next(s[2] for s in gb._native.study_arguments() if s[0] == study)
+    words = gb.studies.words_of(arguments, options)
     command = [COMMAND, study, name, *words, "--out", str(tmp_path), "--quiet"]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     record = json.loads((tmp_path / "results.json").read_text())

@@ -16,7 +16,8 @@ import pytest
 def test_a_study_has_the_arguments_of_its_command(name):
     study = getattr(gb, name.replace("-", "_"))
     own = {s[0]: s[2] for s in gb._native.study_arguments()}[name]
-    expected = {gb._names.python_name(a[0]) for a in own}
+    # The first argument is the scene, in place of which a check has a file.
+    expected = {"scene" if a[4] else gb._names.python_name(a[0]) for a in own}
     found = set(inspect.signature(study).parameters) - {"progress", "executor", "shards", "retries"}
     assert found == expected and "memory" in found and "scene" in found
     assert all(f"{n} :" in study.__doc__ for n in expected)
@@ -100,3 +101,37 @@ def test_a_scan_has_its_cells_as_arrays():
     assert columns["gears.pinion.speed_rad_s"].tolist() == [10.0, 20.0, 40.0]
     assert np.all(np.diff(columns["peak_force_n"]) > 0)
     assert len(scan.to_rows()) == scan.cells == 3
+
+
+def test_commands_that_write_files_are_calls(tmp_path):
+    scene = gb.Scene.load("hammer")
+    found = scene.mesh(gear="pinion", flank=2, width=1, out=tmp_path / "pinion.inp")
+    assert (tmp_path / "pinion.inp").is_file() and len(found["written"]) == 1
+    assert (found["gears"][0]["gear"], found["gears"][0]["teeth"]) == ("pinion", 20)
+    assert gb.mesh(tmp_path / "pinion.inp")["gears"][0]["nodes"] == found["gears"][0]["nodes"]
+    csv = tmp_path / "rigid.csv"
+    stored = scene.reference(model="rigid", method="dopri5@1e-8", out=csv)
+    assert csv.is_file() and stored["model"] == "rigid"
+    assert 0 < stored["own_error"]["force_l2"] < 1e-2
+    with pytest.raises(gb.SceneError, match="required"):
+        scene.reference(out=csv)
+
+
+CHECK = """
+schema = 1
+[[cases]]
+scene = "hammer"
+models = ["rigid"]
+integrators = ["dopri5@1e-6"]
+"""
+
+
+def test_a_check_compares_with_its_baseline(tmp_path):
+    file = tmp_path / "check.toml"
+    file.write_text(CHECK)
+    stored = gb.check(file, update=True, no_runtime=True, out=tmp_path / "first")
+    assert stored.exit_code == 0
+    again = gb.check(file, no_runtime=True)
+    assert again.exit_code == 0 and len(again.entries) == 1
+    with pytest.raises(gb.SceneError):
+        gb.check(tmp_path / "none.toml")

@@ -178,6 +178,7 @@ fn run(mesh: &str, flanks: FlankContact, folder: &Path) -> Result<Vec<f64>, Fail
             },
             exponent: 1.0,
             damping: Damping::None,
+            normal_force: None,
             friction: None,
             slices: None,
             flanks,

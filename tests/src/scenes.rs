@@ -154,6 +154,7 @@ pub fn contact(per_width: f64) -> ContactSpec {
         },
         exponent: 1.0,
         damping: Damping::None,
+        normal_force: None,
         friction: None,
         slices: None,
         flanks: FlankContact::Toothing,

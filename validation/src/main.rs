@@ -42,7 +42,7 @@ use gearbench::experiment::runner::Runner;
 use gearbench::messages::Messages;
 use gearbench_reference::reduction::cache::Cache;
 use gearbench_reports::Study;
-use gearbench_reports::choice_check::{CheckRecord, Outcome, ValidatedChoice, share};
+use gearbench_reports::choice_check::{ChoiceCheckRecord, Outcome, ValidatedChoice, share};
 use gearbench_reports::record::{Part, Results};
 use sampling::SampleError;
 use std::fmt::Write as _;
@@ -346,7 +346,7 @@ fn validate(
             &format!("Model choice on random scenes: {name}"),
             command,
         ),
-        part: Part::ChoiceCheck(CheckRecord { choices }),
+        part: Part::ChoiceCheck(ChoiceCheckRecord { choices }),
         settings: vec![
             ("seed".into(), set.seed.to_string()),
             ("scenes".into(), in_words(&scenes)),

@@ -47,6 +47,11 @@ impl CommandResult {
         self.found.get(key)
     }
 
+    /// The keys of the JSON object of a command besides those of all commands.
+    pub fn keys(&self) -> &Map<String, Value> {
+        &self.found
+    }
+
     /// The result of a study: key `results` with the record, histories removed.
     pub fn of(results: &Results) -> Self {
         let mut whole = value(results);

@@ -39,6 +39,7 @@ use clap::{ArgMatches, CommandFactory, FromArgMatches, Parser, Subcommand};
 use command_result::CommandResult;
 use exit::Exit;
 use gearbench_reference::limits::Memory;
+use gearbench_reports::scan::ScanIdentity;
 use help::Help;
 use std::ffi::OsString;
 use std::process::ExitCode;
@@ -281,7 +282,10 @@ pub struct StudyDescription {
     pub arguments: Vec<ArgumentDescription>,
 }
 
-/// Returns the descriptions of all studies, and of the reduction of gears.
+/// Commands besides the studies that a program runs by [`study`]: they write files, and return what they have found.
+const FILE_COMMANDS: [&str; 4] = ["reduce", "mesh", "reference", "fmu"];
+
+/// Returns the descriptions of all studies, and of the commands that write files of gears and models.
 #[must_use]
 pub fn studies() -> Vec<StudyDescription> {
     let command = Cli::command();
@@ -289,7 +293,7 @@ pub fn studies() -> Vec<StudyDescription> {
         .filter(|a| a.get_id() == "memory")
         .collect();
     let names = StudyCommand::GROUPS.iter().map(|(name, _)| *name);
-    (names.chain(["reduce"]))
+    (names.chain(FILE_COMMANDS))
         .filter_map(|name| command.find_subcommand(name))
         .map(|study| StudyDescription {
             name: study.get_name().to_owned(),
@@ -342,8 +346,8 @@ impl ArgumentDescription {
     }
 }
 
-/// Runs a study, joins the parts of a scan, or reduces gears, from the words of the command line, without the program, in a context; the
-/// record stores the command.
+/// Runs a study, joins the parts of a scan, or runs a command that writes files of gears and models, from the words of the
+/// command line, without the program, in a context; the record stores the command.
 /// A program has the record [returned](crate::context::RecordUse::Returned).
 ///
 /// # Errors
@@ -353,11 +357,32 @@ pub fn study(mut context: Context, words: &[String]) -> Result<CommandResult, Re
     let all = std::iter::once("gearbench".to_owned()).chain(words.iter().cloned());
     let cli = Cli::read(all).map_err(|e| refusal_of(&e))?;
     let command = match cli.command {
-        Some(command @ (Command::Study(_) | Command::Merge(_) | Command::Reduce(_))) => command,
+        Some(
+            command @ (Command::Study(_)
+            | Command::Merge(_)
+            | Command::Reduce(_)
+            | Command::Mesh(_)
+            | Command::Reference(_)
+            | Command::Fmu(_)),
+        ) => command,
         _ => return Err(Refusal::Input(miette::miette!("`{line}` is no study"))),
     };
     context.resources.memory = Memory::of(cli.memory * 1e9);
     context.resources.within(|| command.run(&context, &line))
+}
+
+/// Returns what the cells of a scan are computed from, by the words of its command line, without running any.
+///
+/// # Errors
+/// A refusal of an argument or of the scene.
+pub fn scan_identity(context: &Context, words: &[String]) -> Result<ScanIdentity, Refusal> {
+    let all = std::iter::once("gearbench".to_owned()).chain(words.iter().cloned());
+    match Cli::read(all).map_err(|e| refusal_of(&e))?.command {
+        Some(Command::Study(StudyCommand::Scan(scan))) => {
+            (context.resources).within(|| crate::studies::scan::command::identity(context, &scan))
+        }
+        _ => Err(Refusal::Input(miette::miette!("this is no scan"))),
+    }
 }
 
 /// Runs a command in a context and reports how it ended.
@@ -521,7 +546,7 @@ mod tests {
     #[test]
     fn studies_describe_their_arguments() {
         let all = studies();
-        assert_eq!(all.len(), StudyCommand::GROUPS.len() + 1);
+        assert_eq!(all.len(), StudyCommand::GROUPS.len() + FILE_COMMANDS.len());
         let compare = all.iter().find(|s| s.name == "compare").unwrap();
         let kind = |name: &str| {
             let found = compare.arguments.iter().find(|a| a.name == name);

@@ -31,7 +31,7 @@ use gearbench_reports::record::{
 use serde::Deserialize;
 use std::io;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicU64, Ordering};
+use tempfile::TempDir;
 
 /// Name of the setting that marks an incomplete study.
 const INTERRUPTED_STUDY: &str = "interrupted";
@@ -56,12 +56,12 @@ pub struct StudyFolder {
     measured: Vec<MeasuredCurve>,
     /// Rows of models that cannot run the scene.
     refused: Vec<Run>,
-    /// True if the folder ends with the study.
-    is_temporary: bool,
     /// True if the journal in the folder belongs to this study.
     has_journal: bool,
     /// The lock of the folder, held until the study ends.
     lock: Option<FolderLock>,
+    /// The folder itself, if it ends with the study; the lock ends before.
+    temporary: Option<TempDir>,
 }
 
 impl From<JournalError> for Refusal {
@@ -135,10 +135,14 @@ impl StudyFolder {
         let measured = output.measured.iter().map(|p| measured::read(p));
         let measured: Vec<Vec<MeasuredCurve>> = measured.collect::<Result<_, _>>()?;
         let is_temporary = output.out.is_none() && context.record == RecordUse::Returned;
-        let path = match (&output.out, is_temporary) {
+        let temporary = is_temporary
+            .then(|| tempfile::Builder::new().prefix("gearbench-").tempdir())
+            .transpose()
+            .map_err(|e| Refusal::Files(format!("no folder for temporary files: {e}")))?;
+        let path = match (&output.out, &temporary) {
             (Some(path), _) => path.clone(),
-            (None, true) => temporary_path(),
-            (None, false) => Path::new("out").join(name).join(study),
+            (None, Some(folder)) => folder.path().to_owned(),
+            (None, None) => Path::new("out").join(name).join(study),
         };
         let fail = |e: io::Error| Refusal::Files(format!("{}: {e}", path.display()));
         let subject = Subject {
@@ -159,7 +163,7 @@ impl StudyFolder {
             source,
             measured: measured.concat(),
             refused: Vec::new(),
-            is_temporary,
+            temporary,
         };
         if is_temporary {
             context.interruption.defer();
@@ -216,7 +220,9 @@ impl StudyFolder {
     /// Creates the runner of the pieces of the study. The first call hands the journal over to it.
     pub fn runner<'a>(&mut self, progress: Progress<'a>) -> Runner<'a> {
         match self.journal.take() {
-            None if self.is_temporary => Runner::of(self.context.clone()).reporting(progress),
+            None if self.temporary.is_some() => {
+                Runner::of(self.context.clone()).reporting(progress)
+            }
             Some(journal) => {
                 let runner = Runner::new(self.context.clone(), journal, progress);
                 runner.announcing(&|context, pieces| {
@@ -293,7 +299,7 @@ impl StudyFolder {
             // Some of the requested models could not run.
             (false, false) => Exit::FailedRun,
         };
-        if self.is_temporary {
+        if self.temporary.is_some() {
             if let Some(text) = damping_differs(&results.mesh_modes) {
                 self.context.messages.warn(&text);
             }
@@ -392,10 +398,7 @@ fn none_can_run(rows: &[Run]) -> Refusal {
 impl Drop for StudyFolder {
     /// Removes a journal without finished pieces, and the folders that were created for the study if they are empty.
     fn drop(&mut self) {
-        if self.is_temporary {
-            self.lock = None;
-            // A folder that cannot be removed is one of the system's for temporary files.
-            let _ = std::fs::remove_dir_all(&self.path);
+        if self.temporary.is_some() {
             return;
         }
         let journal = self.path.join(JOURNAL);
@@ -412,13 +415,6 @@ impl Drop for StudyFolder {
             }
         }
     }
-}
-
-/// A path for the folder of a study that ends with the study, which no other study has.
-fn temporary_path() -> PathBuf {
-    static STUDIES: AtomicU64 = AtomicU64::new(0);
-    let number = STUDIES.fetch_add(1, Ordering::Relaxed);
-    std::env::temp_dir().join(format!("gearbench-{}-{number}", std::process::id()))
 }
 
 /// Number of finished pieces in a journal: its lines without the first.

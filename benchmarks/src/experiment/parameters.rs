@@ -50,7 +50,10 @@ fn numbers(contact: &ContactSpec, gap: f64) -> impl Iterator<Item = (&'static st
     };
     [
         ("gap_m", Some(gap)),
-        ("exponent", Some(contact.exponent)),
+        (
+            "exponent",
+            (contact.normal_force.is_none()).then_some(contact.exponent),
+        ),
         ("stiffness_n_per_m2", pair.map(|p| p.0)),
         ("path_slope", along.map(|a| a[0])),
         ("path_curvature", along.map(|a| a[1])),

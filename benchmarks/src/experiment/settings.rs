@@ -317,6 +317,10 @@ fn contact_text(contact: &ContactSpec) -> String {
     };
     let points = match &contact.flanks {
         FlankContact::Toothing => {
+            if let Some(law) = &contact.normal_force {
+                let (stiffness, name) = (contact.stiffness.describe(), law.name());
+                return format!("contact: {stiffness}; law `{name}` of the program");
+            }
             return format!(
                 "contact: {}; law {exponent}, damping {}",
                 contact.stiffness.describe(),

@@ -8,15 +8,16 @@
 
 use super::contact_points::{LawWord, LocalContact, PointsChoice, flanks, of_flanks};
 use super::error::SceneError;
-use super::reading::Place;
 use super::reading::keys::keys;
-use super::reading::values::{Count, is_default};
+use super::reading::values::{Count, ForceLawName, is_default};
+use super::reading::{Place, suggest};
 use super::stiffness::{StiffnessTable, stiffness};
 use gearbench_models::error::Reason;
-use gearbench_models::law::{Damping, Film, Friction, FrictionForm, Law, LawError};
+use gearbench_models::law::{Damping, Film, ForceLaw, Friction, FrictionForm, Law, LawError};
 use gearbench_models::spec::{ContactSpec, FlankContact, Passes, SurfaceKind};
 use gearbench_models::stiffness::{IsoVariation, PairStiffness};
 use serde::{Deserialize, Serialize};
+use std::sync::Arc;
 
 keys! {
     /// The contact of a mesh.
@@ -29,6 +30,8 @@ keys! {
         /// "none" (default), or { law = "kelvin-voigt" | "flores" | .., .. }
         #[serde(default, skip_serializing_if = "is_default")]
         damping: DampingTable,
+        /// name of a contact law of one's own in Rust or Python, in place of exponent and damping
+        normal_force: Option<ForceLawName>,
         /// { mu | film, v_ref_m_s | stick_m }; left out, none
         friction: Option<FrictionTable>,
         /// slices over the face width; left out, 1 for spur gears and 16 for helical or crowned ones
@@ -193,6 +196,7 @@ impl From<&ContactSpec> for ContactTable {
             stiffness: Some(StiffnessTable::from(&spec.stiffness)),
             exponent: Some(spec.exponent).filter(|x| *x != 1.0),
             damping: DampingTable::from(spec.damping),
+            normal_force: (spec.normal_force.as_ref()).map(|law| law.name().into()),
             friction: spec.friction.as_ref().map(FrictionTable::from),
             slices: spec.slices.map(Count),
             ..of_flanks(&spec.flanks)
@@ -204,6 +208,7 @@ impl From<&ContactSpec> for ContactTable {
 pub(super) fn contact(
     keys: &ContactTable,
     calibrated: bool,
+    laws: &[Arc<dyn ForceLaw>],
     at: &Place<'_>,
 ) -> Result<ContactSpec, SceneError> {
     let flanks = flanks(keys, at)?;
@@ -218,15 +223,40 @@ pub(super) fn contact(
     let exponent = keys.exponent.unwrap_or(1.0);
     let damping = Damping::from(&keys.damping);
     check_law(exponent, damping, at)?;
+    let normal_force = (keys.normal_force.as_ref())
+        .map(|name| normal_force(&name.0, laws, &at.key("normal_force")))
+        .transpose()?;
     let friction = keys.friction.as_ref().map(|keys| friction(keys, at));
     Ok(ContactSpec {
         stiffness,
         exponent,
         damping,
+        normal_force,
         friction: friction.transpose()?,
         slices: keys.slices.map(|n| n.0),
         flanks,
     })
+}
+
+/// Finds a law of the program by its name.
+fn normal_force(
+    name: &str,
+    laws: &[Arc<dyn ForceLaw>],
+    at: &Place<'_>,
+) -> Result<Arc<dyn ForceLaw>, SceneError> {
+    if let Some(law) = laws.iter().find(|law| law.name() == name) {
+        return Ok(law.clone());
+    }
+    let names: Vec<&str> = laws.iter().map(|law| law.name()).collect();
+    let help = match names.is_empty() {
+        true => "a law of one's own is a function of a program: `Context::with_law` in Rust, `gb.Contact(normal_force=...)` in Python; a scene file alone has `exponent` and `damping`".into(),
+        false => suggest::there_are(name, &names),
+    };
+    at.refuse(
+        format!("this program has no contact law `{name}`"),
+        "unknown name",
+        help,
+    )
 }
 
 fn mineral() -> f64 {

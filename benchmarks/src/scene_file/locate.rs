@@ -88,6 +88,7 @@ impl SceneFile {
             MeshPart::Start => return mesh.first(&["centre_distance_m", "backlash_m", "gears"]),
             MeshPart::Stiffness => "stiffness",
             MeshPart::Exponent => "exponent",
+            MeshPart::NormalForce => "normal_force",
             MeshPart::Damping => "damping",
             MeshPart::Friction => "friction",
             MeshPart::Slices => "slices",

@@ -321,6 +321,7 @@ impl SceneFile {
             gears: &drafts,
             meshes: meshes.len(),
             models: &context.models,
+            laws: &context.laws,
             folder,
             calibrations: &find,
             calibrated,

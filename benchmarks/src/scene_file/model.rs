@@ -12,11 +12,13 @@ use super::study_plan::{IntegratorTable, schemes};
 use gearbench_integrators::Scheme;
 use gearbench_models::error::Subject;
 use gearbench_models::gear::table::Model;
+use gearbench_models::law::ForceLaw;
 use gearbench_models::spec::{ContactSpec, ModelSpec, Modelling};
 use gearbench_reports::record::Run;
 use serde::{Deserialize, Serialize, Serializer};
 use serde_json::Value;
 use std::path::Path;
+use std::sync::Arc;
 
 keys! {
     /// A model that a study compares.
@@ -217,6 +219,7 @@ pub(super) struct Context<'a> {
     pub(super) gears: &'a [GearDraft],
     pub(super) meshes: usize,
     pub(super) models: &'a [Model],
+    pub(super) laws: &'a [Arc<dyn ForceLaw>],
     /// Folder of the scene file, to which paths of meshes are relative.
     pub(super) folder: Option<&'a Path>,
     /// Finds the calibration of a scene.
@@ -293,7 +296,7 @@ fn model(
     let contacts = contacts(
         &keys.contact,
         context.meshes,
-        calibration.is_some(),
+        (calibration.is_some(), context.laws),
         &at.key("contact"),
     )?;
     let mut modelling = Modelling { gears, contacts };
@@ -393,18 +396,18 @@ fn gear_model(
 fn contacts(
     keys: &OneOrMany<ContactTable>,
     meshes: usize,
-    calibrated: bool,
+    (calibrated, laws): (bool, &[Arc<dyn ForceLaw>]),
     at: &Place<'_>,
 ) -> Result<Vec<ContactSpec>, SceneError> {
     match keys {
-        OneOrMany::One(keys) => Ok(vec![contact(keys, calibrated, at)?; meshes]),
+        OneOrMany::One(keys) => Ok(vec![contact(keys, calibrated, laws, at)?; meshes]),
         OneOrMany::Many(list) if list.len() != meshes => at.refuse(
             format!("{} contacts for {meshes} meshes", list.len()),
             format!("expected {meshes}"),
             "give one contact for all meshes, or a list with one per mesh in their order",
         ),
         OneOrMany::Many(list) => (list.iter().enumerate())
-            .map(|(i, keys)| contact(keys, calibrated, &at.member(i)))
+            .map(|(i, keys)| contact(keys, calibrated, laws, &at.member(i)))
             .collect(),
     }
 }

@@ -9,7 +9,7 @@
 //! Other laws have one, until their force ends.
 
 use super::damping::Damping;
-use super::normal::{Law, LawForce};
+use super::normal::{ENDED, Law, LawForce};
 
 /// Mode of an open contact.
 pub const OPEN: f64 = 0.0;
@@ -56,16 +56,29 @@ impl Law {
         }
     }
 
-    /// Returns the smooth branch of a mode.
+    /// Computes the smooth branch of a mode; see [`Law::smooth`].
     #[inline]
-    pub fn branch(&self, mode: f64) -> Law {
+    pub fn smooth_in_mode(&self, mode: f64, g: f64, g_rate: f64, v0: f64, k: f64) -> LawForce {
         if mode == SATURATED {
-            let mut law = *self;
-            (law.c, law.gain) = (0.0, 2.0);
-            law
-        } else {
-            *self
+            return self.saturated().smooth(g, g_rate, v0, k);
         }
+        self.smooth(g, g_rate, v0, k)
+    }
+
+    /// Computes the force of the smooth branch of a mode, without derivatives.
+    #[inline]
+    pub fn force_in_mode(&self, mode: f64, g: f64, g_rate: f64, v0: f64, k: f64) -> f64 {
+        if mode == SATURATED {
+            return self.saturated().force(g, g_rate, v0, k);
+        }
+        self.force(g, g_rate, v0, k)
+    }
+
+    /// Returns the branch in which the bounded dashpot has reached the force of the spring.
+    fn saturated(&self) -> Law {
+        let mut law = self.clone();
+        (law.c, law.gain) = (0.0, 2.0);
+        law
     }
 
     /// Returns the distance of the branch of a closed contact from its end (m), from a force by [`Self::as_length`]:
@@ -82,14 +95,14 @@ impl Law {
                 elastic - dashpot.abs()
             }
         } else {
-            let n = self.smooth(g, g_rate, v0, k).n;
-            if self.chi > 0.0 && g > 0.0 {
-                -n.abs()
-            } else {
-                n
-            }
+            self.left(g, g_rate, v0, k)
         };
-        self.as_length(left, k)
+        let length = self.length_at(left, g, v0, k);
+        if length == 0.0 && g_rate > 0.0 && self.user_law().is_some() {
+            // A force that is cut off at zero does not change its sign.
+            return -ENDED;
+        }
+        length
     }
 
     /// Computes the force of a point of a flank: zero when the gap is open, and with a dashpot force of at most the

@@ -58,6 +58,7 @@ mod normal;
 mod retardation;
 #[cfg(test)]
 mod tests;
+mod user_law;
 
 pub use branches::{CLOSED, OPEN, SATURATED, UNTOUCHED, touch_speed};
 pub use damping::{Damping, realised_restitution};
@@ -67,3 +68,4 @@ pub use friction::{Film, Friction, FrictionForce, FrictionForm, MeshFilm};
 pub use half_space::HalfSpace;
 pub use normal::{Law, LawForce, MeshLoad};
 pub use retardation::{SeenBy, retarded};
+pub use user_law::{ContactState, ForceLaw};

@@ -3,6 +3,8 @@
 use super::damping::Damping;
 use super::error::LawError;
 use super::half_space::HalfSpace;
+use super::user_law::{ForceLaw, SharedUserLaw};
+use std::sync::Arc;
 
 /// Speed (m/s) below which motion is neglected; it only keeps a quotient finite.
 const LEAST_SPEED: f64 = 1e-15;
@@ -31,18 +33,23 @@ pub struct LawForce {
     pub dn_dk: f64,
 }
 
-/// Exponents that have fast powers.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// Length [m] by which a force that a law cuts off at zero counts as ended.
+pub(super) const ENDED: f64 = 1e-12;
+
+/// Exponents that have fast powers, and forces that are no power.
+#[derive(Debug, Clone, PartialEq)]
 enum Power {
     One,
     ThreeHalves,
     General,
     /// Approach of half-spaces under a line load; see [`HalfSpace`].
     HalfSpace(HalfSpace),
+    /// Force of a law that a program adds, with its damping; see [`ForceLaw`].
+    User(SharedUserLaw),
 }
 
 /// A validated normal contact law.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Law {
     exponent: f64,
     damping: Damping,
@@ -130,6 +137,22 @@ impl Law {
         }
     }
 
+    /// Creates a law from the function of a program.
+    pub fn of_program(law: Arc<dyn ForceLaw>) -> Law {
+        Law {
+            power: Power::User(SharedUserLaw::new(law)),
+            ..Law::elastic()
+        }
+    }
+
+    /// Returns the law of a program, if the force is one.
+    pub fn user_law(&self) -> Option<&dyn ForceLaw> {
+        match &self.power {
+            Power::User(own) => Some(own.law()),
+            _ => None,
+        }
+    }
+
     /// Replaces the power of the penetration by the approach of half-spaces.
     #[must_use]
     pub fn with_half_space(self, half_space: HalfSpace) -> Law {
@@ -164,15 +187,16 @@ impl Law {
         })
     }
 
-    /// Returns the elastic part of the law.
-    pub const fn undamped(&self) -> Law {
+    /// Returns the elastic part of the law; that of a law of a program is its force at rest.
+    pub fn undamped(&self) -> Law {
         Law {
             damping: Damping::None,
             c: 0.0,
             chi: 0.0,
             gain: 1.0,
             load_speed: 0.0,
-            ..*self
+            exponent: self.exponent,
+            power: self.power.clone(),
         }
     }
 
@@ -184,15 +208,19 @@ impl Law {
             Damping::KelvinVoigtBounded { c } => Damping::KelvinVoigtBounded { c: c * share },
             other => other,
         };
-        let power = match self.power {
+        let power = match &self.power {
             Power::HalfSpace(h) => Power::HalfSpace(h.shared(share)),
-            other => other,
+            Power::User(own) => Power::User(own.shared(share)),
+            other => other.clone(),
         };
         Law {
             damping,
             power,
             c: self.c * share,
-            ..*self
+            exponent: self.exponent,
+            chi: self.chi,
+            gain: self.gain,
+            load_speed: self.load_speed,
         }
     }
 
@@ -218,7 +246,10 @@ impl Law {
 
     /// Returns true if the law depends on the speed stored at first contact.
     pub fn needs_impact_speed(&self) -> bool {
-        self.damping.restitution().is_some() && self.chi > 0.0
+        match self.user_law() {
+            Some(own) => own.uses_impact_speed(),
+            None => self.damping.restitution().is_some() && self.chi > 0.0,
+        }
     }
 
     /// Returns the reference speed of vibration under the load of the mesh (m/s); 0 without a load.
@@ -254,13 +285,13 @@ impl Law {
 
     /// Returns true if a cycle of closing and opening dissipates energy.
     pub fn is_dissipative(&self) -> bool {
-        self.chi > 0.0 || self.c > 0.0
+        self.chi > 0.0 || self.c > 0.0 || self.user_law().is_some_and(|own| !own.is_elastic())
     }
 
     /// Returns the elastic force of a penetration, odd in it, and its derivatives by the penetration and by `k`.
     #[inline]
     pub(super) fn elastic_force(&self, d: f64, k: f64) -> (f64, f64, f64) {
-        let (power, slope) = match self.power {
+        let (power, slope) = match &self.power {
             Power::One => (d, 1.0),
             Power::ThreeHalves => {
                 let root = d.abs().sqrt();
@@ -274,6 +305,10 @@ impl Law {
                 let (n, stiffness, by_k) = h.force(d.abs(), k);
                 return (n.copysign(d), stiffness, by_k.copysign(-d));
             }
+            Power::User(own) => {
+                let at_rest = own.smooth(-d, 0.0, 0.0, k);
+                return (at_rest.n, -at_rest.dn_dg, at_rest.dn_dk);
+            }
         };
         (k * power, k * slope, power)
     }
@@ -283,6 +318,9 @@ impl Law {
     /// [need](Law::needs_impact_speed) it).
     #[inline]
     pub fn smooth(&self, g: f64, g_rate: f64, v0: f64, k: f64) -> LawForce {
+        if let Power::User(own) = &self.power {
+            return own.smooth(g, g_rate, v0, k);
+        }
         let (elastic, stiffness, by_k) = self.elastic_force(-g, k);
         let (per_speed, slope_of_it) = self.per_speed(g_rate, v0);
         let factor = self.gain - per_speed * g_rate;
@@ -291,6 +329,15 @@ impl Law {
             dn_dg: -stiffness * factor,
             dn_dgdot: -elastic * (per_speed + g_rate * slope_of_it) - self.c,
             dn_dk: by_k * factor,
+        }
+    }
+
+    /// Computes the force of the smooth branch alone, without derivatives.
+    #[inline]
+    pub fn force(&self, g: f64, g_rate: f64, v0: f64, k: f64) -> f64 {
+        match &self.power {
+            Power::User(own) => own.force(g, g_rate, v0, k),
+            _ => self.smooth(g, g_rate, v0, k).n,
         }
     }
 
@@ -339,7 +386,37 @@ impl Law {
         if g > 0.0 {
             return g;
         }
-        g.max(-self.as_length(self.smooth(g, g_rate, v0, k).n, k))
+        let n = self.force(g, g_rate, v0, k);
+        if n == 0.0 && g < 0.0 && self.user_law().is_some() {
+            // A force that is cut off at zero has no slope towards its beginning.
+            return ENDED;
+        }
+        g.max(-self.length_at(n, g, v0, k))
+    }
+
+    /// Converts a force of a contact with one branch to a length with the same sign and simple roots (m): see
+    /// [`Self::as_length`]. The exponent of a law of a program is not known; its length is the penetration, multiplied by
+    /// the force over that at rest.
+    #[inline]
+    pub(super) fn length_at(&self, n: f64, g: f64, v0: f64, k: f64) -> f64 {
+        if let Power::User(own) = &self.power {
+            let at_rest = own.force(g, 0.0, v0, k);
+            if g != 0.0 && at_rest != 0.0 {
+                return -g * (n / at_rest);
+            }
+        }
+        self.as_length(n, k)
+    }
+
+    /// Returns the force that is left of a closed contact with one branch; negative after its end.
+    #[inline]
+    pub(super) fn left(&self, g: f64, g_rate: f64, v0: f64, k: f64) -> f64 {
+        let n = self.force(g, g_rate, v0, k);
+        let ends_open = self.chi > 0.0 || self.user_law().is_some() && g_rate > 0.0;
+        if ends_open && g > 0.0 {
+            return -n.abs();
+        }
+        n
     }
 
     /// Returns the elastic energy `k d^(n+1) / (n+1)` (J), zero when open.
@@ -348,8 +425,9 @@ impl Law {
         if g >= 0.0 {
             return 0.0;
         }
-        match self.power {
+        match &self.power {
             Power::HalfSpace(h) => h.energy(-g, k).0,
+            Power::User(own) => own.potential(g, k),
             _ => -g * self.elastic_force(-g, k).0 / (self.exponent + 1.0),
         }
     }
@@ -361,8 +439,9 @@ impl Law {
         if g >= 0.0 {
             return 0.0;
         }
-        match self.power {
+        match &self.power {
             Power::HalfSpace(h) => h.energy(-g, k).1,
+            Power::User(own) => own.d_potential_dk(g, k),
             _ => -g * self.elastic_force(-g, k).2 / (self.exponent + 1.0),
         }
     }

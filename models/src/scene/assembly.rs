@@ -5,7 +5,7 @@ use super::assembly_lines::{flank_lines, is_half_space, lines_of, strips};
 use super::assembly_points::flank_points;
 use super::carriers::{Carriers, PlanetarySets, grounded};
 use super::channels;
-use super::checks::{check_contacts, check_load, refuse_two_laws};
+use super::checks::{check_contacts, check_load, refuse_two_laws, refuse_user_law};
 use super::direct::FlankMotion;
 use super::hubs::hub_of;
 use super::linear_path::OneSpring;
@@ -193,6 +193,8 @@ impl Scene {
                 .gears
                 .iter()
                 .any(|i| gears[*i].model.flanks().is_some());
+            let has_pairs = strips.is_none() && !with_flanks;
+            refuse_user_law(spec.names_of(mesh.gears), contact, has_pairs)?;
             let (search, law, clearances): (Search, Law, _) = if strips.is_some() {
                 let (lines, law) = flank_lines(spec, mesh, l, contact, &gears, (search, law))?;
                 (Search::Lines(Box::new(lines)), law, on_lines)

@@ -5,7 +5,7 @@ use super::members::{SceneGear, SceneMesh};
 use super::nodal::islands;
 use crate::error::{BuildError, GearPart, MeshPart};
 use crate::kinematics::Hub;
-use crate::spec::{Body, Load, Modelling, SceneSpec, UPRIGHT};
+use crate::spec::{Body, ContactSpec, Load, Modelling, SceneSpec, UPRIGHT};
 
 /// Refuses different laws on meshes that residual compliance couples, because these are solved together.
 pub(super) fn refuse_two_laws(
@@ -33,6 +33,30 @@ pub(super) fn refuse_two_laws(
         }
     }
     Ok(())
+}
+
+/// Refuses a law of a program on a mesh that has no tooth pairs: contact at points or along lines of flanks has a law per
+/// area or width.
+pub(super) fn refuse_user_law(
+    names: [&str; 2],
+    contact: &ContactSpec,
+    has_pairs: bool,
+) -> Result<(), BuildError> {
+    match &contact.normal_force {
+        Some(law) if !has_pairs => Err(BuildError::mesh(
+            names,
+            MeshPart::NormalForce,
+            (
+                format!(
+                    "the law `{}` acts between tooth pairs, but these gears touch at points or along lines of their flanks",
+                    law.name()
+                ),
+                "use it with `rigid` or `movable-teeth` gears, or remove `normal_force` from this contact",
+            ),
+        )
+        .of_model()),
+        _ => Ok(()),
+    }
 }
 
 /// Refuses contacts on half-spaces that a model of the scene does not support, before any gear is meshed.

@@ -129,7 +129,8 @@ impl Scene {
                     ..force
                 }
             } else if located {
-                law.branch(mesh.mode(at.discrete, c.slot)).smooth(
+                law.smooth_in_mode(
+                    mesh.mode(at.discrete, c.slot),
                     c.gap,
                     rate,
                     impact_speed,

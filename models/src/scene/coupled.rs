@@ -18,7 +18,7 @@ impl Scene {
     fn elastic_force(&self, a: &Active) -> f64 {
         let c = &self.work.candidates[a.candidate];
         let law = self.meshes[a.mesh].law.undamped();
-        law.smooth(a.gap, 0.0, 0.0, c.stiffness).n
+        law.force(a.gap, 0.0, 0.0, c.stiffness)
     }
 
     /// Calls `f(i, j, compliance, its derivative along the normal, elastic forces)` for active contacts on a common

@@ -245,6 +245,23 @@ fn law_of(
 ) -> Result<Law, BuildError> {
     let [a, b] = mesh.gears.map(|i| &spec.gears[i]);
     let error = |part, why: Reason| BuildError::mesh([&a.name, &b.name], part, why);
+    if let Some(own) = &contact.normal_force {
+        let (exponent, damping) = (contact.exponent, contact.damping.id());
+        if exponent != 1.0 || contact.damping != Damping::None {
+            return Err(error(
+                MeshPart::NormalForce,
+                (
+                    format!(
+                        "the law `{}` gives the whole normal force, but the contact also has the exponent {exponent} and the damping `{damping}`",
+                        own.name()
+                    ),
+                    "remove exponent and damping: both belong into the function of the law",
+                )
+                    .into(),
+            ));
+        }
+        return Ok(Law::of_program(own.clone()));
+    }
     let mass = reduced_mass([hub_mass(a, &hub_of(a)?), hub_mass(b, &hub_of(b)?)]);
     let damping = match contact.damping {
         Damping::KelvinVoigtRatio { .. } => {

@@ -150,7 +150,7 @@ impl Scene {
         for (a, rows) in self.work.active.iter().zip(&self.work.rows) {
             let mesh = &self.meshes[a.mesh];
             let c = &self.work.candidates[a.candidate];
-            let elastic = mesh.law.smooth(a.gap, 0.0, a.impact_speed, c.stiffness).n;
+            let elastic = mesh.law.force(a.gap, 0.0, a.impact_speed, c.stiffness);
             energy.contact += mesh.law.potential(a.gap, c.stiffness);
             power.dissipated -= (a.force.n - elastic) * a.rate;
             let on = [a.on[0] * c.scale[0], a.on[1] * c.scale[1]];

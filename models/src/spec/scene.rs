@@ -8,8 +8,9 @@ use super::shaft::{BodySpec, ShaftSpec, Station, StationMember};
 use super::stage::StageSpec;
 use crate::Vec3;
 use crate::geometry::{Gear, Rack, Side, Tips};
-use crate::law::{Damping, Friction};
+use crate::law::{Damping, ForceLaw, Friction};
 use crate::stiffness::{Material, PairStiffness};
+use std::sync::Arc;
 
 /// Part of a pitch within which the teeth in mesh stay the same.
 const FEW_PITCHES: f64 = 0.5;
@@ -159,6 +160,8 @@ pub struct ContactSpec {
     pub exponent: f64,
     /// Damping of the normal law; a ratio is resolved with the reduced mass of the pair.
     pub damping: Damping,
+    /// Normal force of a program in place of exponent and damping, if any.
+    pub normal_force: Option<Arc<dyn ForceLaw>>,
     /// Friction of the contact, if any.
     pub friction: Option<Friction>,
     /// Number of slices over the face width; `None` selects 1 for a spur gear without lead crowning, otherwise 16.

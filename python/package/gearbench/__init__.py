@@ -14,6 +14,7 @@ from __future__ import annotations
 from . import _native
 from .errors import GearbenchError, Interrupted, RunFailed, SceneError, SceneWarning
 from .histories import ContactEvents, PairForces, TimeSeries
+from .laws import ContactLaw
 from .reduction import Reduction, reduce
 from .scene import (
     Pair,
@@ -26,14 +27,18 @@ from .scene import (
     shipped_scenes,
 )
 from .studies import (
+    check,
     choose,
     compare,
     cost,
     coupling,
+    fmu,
     identify,
+    mesh,
     modes,
     penalty,
     precision,
+    reference,
     response,
     run_up,
     scan,
@@ -85,6 +90,7 @@ __all__ = [
     "Contact",
     "ContactDamping",
     "ContactEvents",
+    "ContactLaw",
     "Damping",
     "Deviations",
     "Directions",
@@ -130,16 +136,20 @@ __all__ = [
     "Topography",
     "Train",
     "__version__",
+    "check",
     "choose",
     "compare",
     "cost",
     "coupling",
+    "fmu",
     "identify",
+    "mesh",
     "modes",
     "over_time",
     "penalty",
     "precision",
     "reduce",
+    "reference",
     "response",
     "run_up",
     "scan",

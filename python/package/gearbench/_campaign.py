@@ -13,6 +13,7 @@ from typing import Any
 
 from . import _native
 from .errors import GearbenchError, Interrupted, RunFailed
+from .laws import refusal
 
 RECORD = "results.json"
 DEFAULT_RETRIES = 3
@@ -28,16 +29,15 @@ def run_part(source: str, text: str, words: Sequence[str]) -> dict[str, bytes]:
         return {path.name: path.read_bytes() for path in part.iterdir() if path.is_file()}
 
 
-def _is_finished(folder: pathlib.Path, text: str, words: Sequence[str]) -> bool:
-    """Return true if a folder holds this part of this scene."""
+def _is_finished(folder: pathlib.Path, identity: Sequence[str], part: int, number: int) -> bool:
+    """Return true if a folder holds this part of the scan with this identity."""
     try:
         record = json.loads((folder / RECORD).read_text(encoding="utf-8"))
-    except (OSError, ValueError):
+        own, shard = record["identity"], record["shard"]
+        found = (own["program"], own["scene"], own["arguments"])
+        return found == tuple(identity) and (shard["number"], shard["of"]) == (part, number)
+    except (OSError, ValueError, KeyError, TypeError):
         return False
-    command = record.get("command", "").replace("'", "")
-    same_scene = record.get("source", {}).get("scene") == text
-    same_options = all(word.replace("'", "") in command for word in words[2:])
-    return bool(same_scene and same_options and record.get("commit") == _native.commit)
 
 
 def _workers(executor: Any) -> int:
@@ -102,6 +102,8 @@ def scan_in_shards(
     retries = own.pop("retries", None)
     if given is None:
         raise TypeError("`shards` needs an `executor`")
+    if scene._laws:
+        raise refusal(scene._laws, "sent to the workers of an executor")
     made: Callable[[], Any] = given if not hasattr(given, "submit") else lambda: given
     campaign = _Campaign(made, DEFAULT_RETRIES if retries is None else int(retries))
     number = int(shards or FOR_EACH_WORKER * _workers(campaign.executor))
@@ -116,7 +118,8 @@ def scan_in_shards(
     calls = {i: (scene._source, scene._text, [*words, f"--shard={i}/{number}"]) for i in folders}
     observer = _observer(progress, "scan")
     try:
-        left = {i for i in folders if not _is_finished(folders[i], scene._text, calls[i][2])}
+        identity = _native.scan_identity(words, scene._source, scene._text)
+        left = {i for i in folders if not _is_finished(folders[i], identity, i, number)}
         for part in sorted(left):
             campaign.send(part, calls[part])
         while left:

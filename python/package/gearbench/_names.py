@@ -57,7 +57,11 @@ STUDIES = {
     "coupling": "CouplingResult",
     "penalty": "TabularResult",
     "cost": "TabularResult",
+    "check": "CheckResult",
 }
+
+# Commands that write files, and return what they have found as a dictionary.
+COMMANDS = ("mesh", "reference", "fmu")
 
 
 def key_of(name: str) -> str:

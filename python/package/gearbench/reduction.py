@@ -112,6 +112,8 @@ def reduce(scene: Any, gear: str | None = None, **options: Any) -> Reduction:
             ["reduce", source, *words, f"--out={path}"],
             scene._source if is_scene else None,
             scene._text if is_scene else None,
+            None,
+            scene._given_laws() if is_scene else [],
         )
         warn(answer["warnings"])
         if answer["stopped"] is not None:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from . import _native, studies
 from ._pending import PendingRun
 from .errors import RunFailed, SceneWarning
+from .laws import ContactLaw, named, refusal, used, with_laws
 from .tables import Gear, Mesh, Model, Rack, Shaft, Study, Table, _plain
 
 if TYPE_CHECKING:
@@ -273,6 +274,7 @@ class Scene:
     _text: str
     _tables: dict[str, Any] | None
     _simulations: dict[Any, Simulation]
+    _laws: dict[str, ContactLaw]
 
     def __init__(self, *parts: Parts, **keys: Any) -> None:
         tables: dict[str, Any] = {"schema": 1, "gears": {}, "meshes": []}
@@ -287,19 +289,27 @@ class Scene:
         shafts += list(own.pop("shafts", []))
         tables = {**tables, **({"shafts": shafts} if shafts else {}), **own}
         source = f"{tables.get('name', 'scene')}.toml"
-        plain = _plain(tables)
-        self._set(source, _native.write_scene(source, plain))
-        warn(_native.check_scene(self._source, self._text))
+        laws: dict[str, ContactLaw] = {}
+        plain = named(_plain(tables), laws)
+        self._set(source, _native.write_scene(source, plain), laws)
+        self._check()
 
-    def _set(self, source: str, text: str) -> None:
+    def _set(self, source: str, text: str, laws: Mapping[str, ContactLaw]) -> None:
         self._source, self._text = source, text
         self._tables = None
         self._simulations = {}
+        self._laws = used(self._read(), laws) if laws else {}
+
+    def _check(self) -> None:
+        warn(_native.check_scene(self._source, self._text, self._given_laws()), level=4)
+
+    def _given_laws(self) -> list[tuple[Any, ...]]:
+        return [law._given() for law in self._laws.values()]
 
     @classmethod
-    def _of(cls, source: str, text: str) -> Scene:
+    def _of(cls, source: str, text: str, laws: Mapping[str, ContactLaw] = {}) -> Scene:
         made = cls.__new__(cls)
-        made._set(source, text)
+        made._set(source, text, laws)
         return made
 
     @classmethod
@@ -323,7 +333,15 @@ class Scene:
         return cls._of(name, text)
 
     def dump(self, path: Text | None = None) -> str:
-        """Return the text of the scene file; it is written if a path is given."""
+        """Return the text of the scene file; it is written if a path is given.
+
+        Raises
+        ------
+        SceneError
+            If the scene has a contact law that is a function of Python.
+        """
+        if self._laws:
+            raise refusal(self._laws, "written to a file")
         if path is not None:
             with open(path, "w", encoding="utf-8") as file:
                 file.write(self._text)
@@ -363,7 +381,7 @@ class Scene:
     @property
     def models(self) -> list[Model]:
         """Models to compare."""
-        return [Model._of(m) for m in self._read()["models"]]
+        return [Model._of(with_laws(m, self._laws)) for m in self._read()["models"]]
 
     @property
     def study(self) -> Study:
@@ -378,9 +396,10 @@ class Scene:
     def replace(self, **keys: Any) -> Scene:
         """Return the scene with other values of its keys; a key with None is left out."""
         tables = {k: x for k, x in {**self._read(), **keys}.items() if x is not None}
-        plain = _plain(tables)
-        made = self._of(self._source, _native.write_scene(self._source, plain))
-        warn(_native.check_scene(made._source, made._text))
+        laws: dict[str, ContactLaw] = {}
+        plain = named(with_laws(_plain(tables), self._laws), laws)
+        made = self._of(self._source, _native.write_scene(self._source, plain), laws)
+        made._check()
         return made
 
     def changed(self, changes: Mapping[str, Any]) -> Scene:
@@ -391,19 +410,24 @@ class Scene:
         >>> scene.gears["pinion"].speed_rad_s
         30.0
         """
-        text = _native.change_scene(self._text, {k: _plain(x) for k, x in changes.items()})
-        made = self._of(self._source, text)
-        warn(_native.check_scene(made._source, made._text))
+        laws = dict(self._laws)
+        plain = named({k: _plain(x) for k, x in changes.items()}, laws)
+        text = _native.change_scene(self._text, plain)
+        made = self._of(self._source, text, laws)
+        made._check()
         return made
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Scene):
             return NotImplemented
-        return _native.scenes_are_equal(self._text, other._text)
+        same_laws = self._laws == other._laws
+        return same_laws and _native.scenes_are_equal(self._text, other._text)
 
     __hash__ = None  # type: ignore[assignment]
 
     def __reduce__(self) -> tuple[Any, ...]:
+        if self._laws:
+            raise refusal(self._laws, "sent to another process")
         return Scene._of, (self._source, self._text)
 
     def __repr__(self) -> str:
@@ -452,7 +476,7 @@ class Scene:
         key = (model, method, samples, timeout, events, histories)
         known = self._simulations.get(key)
         if known is None:
-            native = _native.Simulation(self._source, self._text, *key)
+            native = _native.Simulation(self._source, self._text, *key, self._given_laws())
             warn(native.warnings)
             if len(self._simulations) >= 4:
                 self._simulations.clear()
@@ -502,6 +526,9 @@ class Scene:
     coupling = studies.coupling
     penalty = studies.penalty
     cost = studies.cost
+    mesh = studies.mesh
+    reference = studies.reference
+    fmu = studies.fmu
 
 
 __all__ = ["Pair", "Parts", "Planetary", "Scene", "Simulation", "Table", "Train"]

@@ -14,12 +14,15 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from . import _native
-from ._names import STUDIES, python_name
+from ._names import COMMANDS, STUDIES, python_name
 from .errors import Interrupted
 
 # Studies whose results are files besides the record: without `out` they have a folder that lives
 # as long as the result.
 WITH_FILES = ("choose", "scan")
+
+# Commands whose input may be a file of another kind: a file of checks, or a deck.
+OF_FILES = ("check", "mesh")
 
 Argument = tuple[str, str, str, str, bool, bool]
 
@@ -116,14 +119,16 @@ def execute(command: str, words: Sequence[str], scene: Any, progress: Any, keeps
     source, text = (None, None) if scene is None else (scene._source, scene._text)
     observer = _observer(progress, command)
     try:
-        answer = _native.run_study(list(words), source, text, observer)
+        laws = [] if scene is None else scene._given_laws()
+        answer = _native.run_study(list(words), source, text, observer, laws)
     except KeyboardInterrupt:
         raise Interrupted("interrupted before there was a result") from None
     finally:
         if isinstance(observer, _Bar):
             observer.close()
     warn(answer["warnings"], level=4)
-    result = result_of(command, answer, keeps) if "fields" in answer else None
+    is_study = "fields" in answer
+    result = result_of(command, answer, keeps) if is_study else answer["answer"]
     stopped = answer["stopped"]
     if isinstance(stopped, KeyboardInterrupt):
         raise Interrupted("interrupted: `result` has what was finished", result=result)
@@ -136,6 +141,9 @@ def _study(command: str, about: str, arguments: Sequence[Argument]) -> Callable[
     def study(scene: Any, *, progress: Any = None, **options: Any) -> Any:
         from .scene import Scene
 
+        if command in OF_FILES and not isinstance(scene, Scene):
+            words = [command, os.fspath(scene), *words_of(arguments, options)]
+            return execute(command, words, None, progress, None)
         if not isinstance(scene, Scene):
             scene = Scene.load(scene)
         if command == "scan" and (options.get("executor") is not None or "shards" in options):
@@ -160,7 +168,9 @@ def _study(command: str, about: str, arguments: Sequence[Argument]) -> Callable[
 
 def _documented(command: str, about: str, arguments: Sequence[Argument]) -> str:
     text = f"{about}.\n\nParameters\n----------\nscene : Scene or str\n"
-    text += "    The scene, or its name or path.\nprogress : callable or True, optional\n"
+    of_file = {"check": "The path of a file of checks.", "mesh": "A scene, or the path of a deck."}
+    text += f"    {of_file.get(command, 'The scene, or its name or path.')}\n"
+    text += "progress : callable or True, optional\n"
     text += "    Called with the pieces done, their number (0 if unknown) and the present one;\n"
     text += "    True for a bar of tqdm.\n"
     if command == "scan":
@@ -174,6 +184,8 @@ def _documented(command: str, about: str, arguments: Sequence[Argument]) -> str:
             continue
         text += f"{python_name(name)} : {kinds.get(kind, kind)}, optional\n"
         text += f"    {meaning}{f' [default: {default}]' if default else ''}\n"
+    if command in COMMANDS:
+        return text + "\nReturns\n-------\ndict\n    Paths of the files, and what was found.\n"
     return text + f"\nReturns\n-------\nrecords.{STUDIES[command]}\n"
 
 
@@ -186,5 +198,5 @@ def _signature(command: str, arguments: Sequence[Argument]) -> inspect.Signature
 
 
 for _command, _about, _arguments in _native.study_arguments():
-    if _command in STUDIES:
+    if _command in STUDIES or _command in COMMANDS:
         globals()[python_name(_command)] = _study(_command, _about, _arguments)

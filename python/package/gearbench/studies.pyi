@@ -8,6 +8,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from .records import (
+    CheckResult,
     ChooseResult,
     CompareResult,
     CouplingResult,
@@ -310,6 +311,23 @@ def coupling(
 ) -> CouplingResult:
     """Couple the gears to a host that moves their hubs: error, energy and stability over the communication step."""
 
+def check(
+    scene: Scene | Text,
+    *,
+    progress: Progress | None = ...,
+    cases: Text | float | bool | Sequence[Any] | None = ...,
+    quick: bool | None = ...,
+    update: bool | None = ...,
+    no_runtime: bool | None = ...,
+    history: Text | float | bool | Sequence[Any] | None = ...,
+    out: Text | float | bool | Sequence[Any] | None = ...,
+    measured: Text | float | bool | Sequence[Any] | Mapping[str, Any] | None = ...,
+    fresh: bool | None = ...,
+    force: bool | None = ...,
+    memory: float | None = ...,
+) -> CheckResult:
+    """Compare results, work and runtime of selected runs with a stored baseline, for CI."""
+
 def penalty(
     scene: Scene | Text,
     *,
@@ -346,3 +364,61 @@ def cost(
     memory: float | None = ...,
 ) -> TabularResult:
     """Compute what the runs of each model and integrator cost: time per step, per evaluation and per simulated second."""
+
+def mesh(
+    scene: Scene | Text,
+    *,
+    progress: Progress | None = ...,
+    out: Text | float | bool | Sequence[Any] | None = ...,
+    vtu: Text | float | bool | Sequence[Any] | None = ...,
+    force: bool | None = ...,
+    gear: Text | float | bool | Sequence[Any] | None = ...,
+    units: Text | float | bool | Sequence[Any] | None = ...,
+    element: Text | float | bool | Sequence[Any] | None = ...,
+    flank: int | None = ...,
+    fillet: int | None = ...,
+    root: int | None = ...,
+    across: int | None = ...,
+    layers: int | None = ...,
+    rim: int | None = ...,
+    width: int | None = ...,
+    sector: bool | None = ...,
+    fine_teeth: int | None = ...,
+    memory: float | None = ...,
+) -> dict[str, Any]:
+    """Mesh the gears of a scene with hexahedra, as a deck for CalculiX or Abaqus and for ParaView."""
+
+def reference(
+    scene: Scene | Text,
+    *,
+    progress: Progress | None = ...,
+    model: Text | float | bool | Sequence[Any] | None = ...,
+    method: Text | float | bool | Sequence[Any] | None = ...,
+    speed: Text | float | bool | Sequence[Any] | Mapping[str, Any] | None = ...,
+    load: Text | float | bool | Sequence[Any] | Mapping[str, Any] | None = ...,
+    gap: float | None = ...,
+    distance: float | None = ...,
+    duration: float | None = ...,
+    out: Text | float | bool | Sequence[Any] | None = ...,
+    force: bool | None = ...,
+    name: Text | float | bool | Sequence[Any] | None = ...,
+    add: bool | None = ...,
+    validate: bool | None = ...,
+    timeout: float | None = ...,
+    memory: float | None = ...,
+) -> dict[str, Any]:
+    """Run a model and store its results as a reference: a CSV file, and the lines that add it to the scene."""
+
+def fmu(
+    scene: Scene | Text,
+    *,
+    progress: Progress | None = ...,
+    model: Text | float | bool | Sequence[Any] | None = ...,
+    method: Text | float | bool | Sequence[Any] | None = ...,
+    move: Text | float | bool | Sequence[Any] | None = ...,
+    library: Text | float | bool | Sequence[Any] | None = ...,
+    out: Text | float | bool | Sequence[Any] | None = ...,
+    force: bool | None = ...,
+    memory: float | None = ...,
+) -> dict[str, Any]:
+    """Pack a model of a scene as an FMU (FMI 3.0) for co-simulation and model exchange."""

@@ -13,6 +13,7 @@ from typing import Any
 
 from . import _native
 from ._names import TABLES, key_of, python_name
+from .laws import ContactLaw, named
 
 
 def _plain(value: Any) -> Any:
@@ -25,6 +26,8 @@ def _plain(value: Any) -> Any:
         return os.fspath(value)
     if hasattr(value, "tolist"):
         return value.tolist()
+    if callable(value):
+        return ContactLaw.of(value)
     return value
 
 
@@ -44,7 +47,7 @@ class Table(Mapping[str, Any]):
         object.__setattr__(self, "_values", values)
         if self._type:
             checked = {k: x for k, x in values.items() if k not in self._fixed}
-            _native.check_keys(self._type, checked)
+            _native.check_keys(self._type, named(checked, {}))
 
     @classmethod
     def _of(cls, values: Mapping[str, Any]) -> Any:

@@ -1,6 +1,7 @@
 //! The functions and classes of the extension module.
 
 mod errors;
+mod laws;
 mod records;
 mod scenes;
 mod simulation;

@@ -1,6 +1,7 @@
 //! Scenes: read, written, checked and changed by the reader of scene files.
 
 use super::errors::{input_error, scene_error};
+use super::laws::{GivenLaw, with_laws};
 use super::values::{of_table, to_table, to_value};
 use gearbench::context::Context;
 use gearbench::messages::OutputForm;
@@ -33,8 +34,14 @@ fn load_scene(py: Python<'_>, name: &str) -> PyResult<(String, Vec<String>)> {
 
 /// Checks the text of a scene as a file of this name, without building its models: its warnings.
 #[pyfunction]
-fn check_scene(py: Python<'_>, name: &str, text: &str) -> PyResult<Vec<String>> {
-    let context = context().with_scene(name, text);
+#[pyo3(signature = (name, text, laws=vec![]))]
+fn check_scene(
+    py: Python<'_>,
+    name: &str,
+    text: &str,
+    laws: Vec<GivenLaw>,
+) -> PyResult<Vec<String>> {
+    let context = with_laws(context().with_scene(name, text), laws, &Arc::default());
     let loaded = py.detach(|| load_for(&context, name, Selection::None));
     loaded.map_err(|e| scene_error(py, &e))?;
     Ok(context.messages.warnings())

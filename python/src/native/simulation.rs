@@ -1,6 +1,7 @@
 //! Runs of one model of a scene under one integrator, as often as wanted: the scene is read and built once.
 
 use super::errors::{input_error, refusal, run_error, scene_error};
+use super::laws::{Failures, GivenLaw, with_laws};
 use super::records::Classes;
 use super::scenes::context;
 use gearbench::cli::terminal::integrators_of;
@@ -17,8 +18,8 @@ use gearbench_reports::record::Run;
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use std::cell::RefCell;
-use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 /// Time between two looks for signals.
@@ -49,6 +50,8 @@ struct Simulation {
     method: Scheme,
     conditions: Conditions,
     histories: bool,
+    /// Exceptions of its contact laws.
+    failures: Arc<Failures>,
     grid: Vec<f64>,
     /// Number of the simulation, by which a thread finds the scene that it has built.
     number: u64,
@@ -125,7 +128,7 @@ impl Sink for Observer<'_> {
 impl Simulation {
     /// Reads the scene, and builds the model.
     #[new]
-    #[pyo3(signature = (name, text, model=None, method=None, samples=None, timeout=None, events=true, histories=false))]
+    #[pyo3(signature = (name, text, model=None, method=None, samples=None, timeout=None, events=true, histories=false, laws=vec![]))]
     #[allow(clippy::too_many_arguments)]
     fn new(
         py: Python<'_>,
@@ -137,8 +140,10 @@ impl Simulation {
         timeout: Option<f64>,
         events: bool,
         histories: bool,
+        laws: Vec<GivenLaw>,
     ) -> PyResult<Self> {
-        let context = context().with_scene(name, text);
+        let failures = Arc::default();
+        let context = with_laws(context().with_scene(name, text), laws, &failures);
         let unbuilt = load_for(&context, name, Selection::None).map_err(|e| scene_error(py, &e))?;
         let choices = unbuilt.select(model).map_err(|e| scene_error(py, &e))?;
         let label = choices[0].label.clone();
@@ -148,6 +153,9 @@ impl Simulation {
                 .resources
                 .within(|| load_for(&context, name, selection))
         });
+        if let Some(e) = failures.take_own() {
+            return Err(e);
+        }
         let file = loaded.map_err(|e| scene_error(py, &e))?;
         let refused = file.refused.iter().find(|r| r.label == label);
         if let Some(refused) = refused {
@@ -199,12 +207,16 @@ impl Simulation {
             method,
             conditions,
             histories,
+            failures,
             grid,
             file,
             number: SIMULATIONS.fetch_add(1, Ordering::Relaxed),
         };
-        py.detach(|| made.build().map(give_back))
-            .map_err(|e| run_error(py, e))?;
+        let built = py.detach(|| made.build().map(give_back));
+        if let Some(e) = made.failures.take_own() {
+            return Err(e);
+        }
+        built.map_err(|e| run_error(py, e))?;
         Ok(made)
     }
 
@@ -234,7 +246,7 @@ impl Simulation {
         observer: Option<Py<PyAny>>,
     ) -> PyResult<(RecordedRun, Option<String>)> {
         let (made, failure) = py.detach(|| self.run_once(observer.as_ref()));
-        if let Some(e) = failure {
+        if let Some(e) = self.failures.take_own().or(failure) {
             return Err(e);
         }
         let mut row = made.map_err(|e| run_error(py, e))?;

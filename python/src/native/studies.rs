@@ -5,6 +5,7 @@
 //! model, is left to end by itself, without effect.
 
 use super::errors::{input_error, refusal};
+use super::laws::{Failures, GivenLaw, with_laws};
 use super::records::Classes;
 use super::scenes::context;
 use gearbench::cli::command_result::CommandResult;
@@ -13,6 +14,7 @@ use gearbench::cli::{ArgumentKind, studies, study};
 use gearbench::context::{ProgressObserver, RecordUse};
 use gearbench::experiment::parallel::lock;
 use gearbench_reports::record::Results;
+use gearbench_reports::scan::ScanIdentity;
 use gearbench_reports::series::{Column, TimeSeries};
 use gearbench_reports::write_results;
 use numpy::PyReadonlyArray1;
@@ -114,15 +116,19 @@ type Ended = Result<CommandResult, Refusal>;
 /// record, the record for its report, exit code and meaning, warnings, other results of the command, and the exception
 /// that ended it early.
 #[pyfunction]
-#[pyo3(signature = (words, name=None, text=None, progress=None))]
+#[pyo3(signature = (words, name=None, text=None, progress=None, laws=vec![]))]
 fn run_study<'py>(
     py: Python<'py>,
     words: Vec<String>,
     name: Option<&str>,
     text: Option<&str>,
     progress: Option<Py<PyAny>>,
+    laws: Vec<GivenLaw>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let mut context = context();
+    let has_laws = !laws.is_empty();
+    let failures = Arc::new(Failures::of_study(context.interruption.clone()));
+    context = with_laws(context, laws, &failures);
     if let (Some(name), Some(text)) = (name, text) {
         context = context.with_scene(name, text);
     }
@@ -147,7 +153,12 @@ fn run_study<'py>(
         .stack_size(STACK)
         .spawn(move || {
             // The receiver is gone where the study was left alone.
-            let _ = send.send(study(own, &words));
+            let _ = send.send(if has_laws {
+                // The thread stays known to the interpreter between two calls of a law.
+                Python::attach(|py| py.detach(|| study(own, &words)))
+            } else {
+                study(own, &words)
+            });
         })
         .map_err(|e| PyRuntimeError::new_err(format!("no thread could be started: {e}")))?;
     let mut stopped: Option<(PyErr, Instant)> = None;
@@ -172,7 +183,9 @@ fn run_study<'py>(
         }
     };
     let mut failure = lock(&failure);
-    let stopped = failure.take().or(stopped.map(|(e, _)| e));
+    let stopped = (failures.take_first())
+        .or_else(|| failure.take())
+        .or(stopped.map(|(e, _)| e));
     match (ended, stopped) {
         (Ok(result), stopped) => returned(py, result, context.messages.warnings(), stopped),
         (Err(_), Some(e)) => Err(e),
@@ -196,8 +209,9 @@ fn returned(
             all.set_item(key, value)?;
         }
     }
+    let classes = Classes::of(py)?;
+    all.set_item("answer", classes.convert(result.keys())?)?;
     if let Some(mut record) = result.record.take() {
-        let classes = Classes::of(py)?;
         let runs = record.runs.iter_mut().map(|run| classes.run(run));
         let runs = PyList::new(py, runs.collect::<PyResult<Vec<_>>>()?)?;
         let own = std::mem::take(&mut record.runs);
@@ -209,6 +223,25 @@ fn returned(
         all.set_item("native", Record { results }.into_pyobject(py)?)?;
     }
     Ok(all)
+}
+
+/// Returns program, hash of the scene and options that the cells of a scan are computed from, by the words of its command
+/// line.
+#[pyfunction]
+fn scan_identity(
+    py: Python<'_>,
+    words: Vec<String>,
+    name: &str,
+    text: &str,
+) -> PyResult<(String, String, String)> {
+    let context = context().with_scene(name, text);
+    let found = py.detach(|| gearbench::cli::scan_identity(&context, &words));
+    let ScanIdentity {
+        program,
+        scene,
+        arguments,
+    } = found.map_err(|e| refusal(py, e))?;
+    Ok((program, scene, arguments))
 }
 
 /// Describes all studies: name, purpose, and name, meaning, default, kind, position and repetition of each argument.
@@ -245,5 +278,6 @@ fn study_arguments(py: Python<'_>) -> PyResult<Bound<'_, PyList>> {
 pub fn add(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<Record>()?;
     module.add_function(wrap_pyfunction!(run_study, module)?)?;
+    module.add_function(wrap_pyfunction!(scan_identity, module)?)?;
     module.add_function(wrap_pyfunction!(study_arguments, module)?)
 }

@@ -62,6 +62,7 @@ fn rigid(stiffness: PairStiffness, exponent: f64) -> Modelling {
             stiffness,
             exponent,
             damping: Damping::None,
+            normal_force: None,
             friction: None,
             slices: None,
             flanks: FlankContact::Toothing,

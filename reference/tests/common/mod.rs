@@ -50,6 +50,7 @@ pub fn modelling(model: ModelSpec, stiffness: PairStiffness, flanks: FlankContac
             stiffness,
             exponent: 1.0,
             damping: Damping::None,
+            normal_force: None,
             friction: None,
             slices: None,
             flanks,

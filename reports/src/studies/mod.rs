@@ -88,7 +88,7 @@ pub enum Part {
     /// Part of a record of [`Study::Choose`].
     Choose(Box<choose::ChooseRecord>),
     /// Part of a record of [`Study::ChoiceCheck`].
-    ChoiceCheck(choice_check::CheckRecord),
+    ChoiceCheck(choice_check::ChoiceCheckRecord),
     /// Part of a record of [`Study::Check`].
     Check(check::CheckRecord),
     /// Marker of [`Study::Truncation`], which has runs alone.

@@ -2,7 +2,7 @@
 //! plain words, sizes.
 
 use crate::{finding, made_up, precision, without_scripts, written};
-use gearbench_reports::choice_check::{CheckRecord, Outcome, ValidatedChoice};
+use gearbench_reports::choice_check::{ChoiceCheckRecord, Outcome, ValidatedChoice};
 use gearbench_reports::record::SELF;
 use gearbench_reports::stability::{Cell, Columns, Limit, Map, MapAxis, StabilityRecord};
 use gearbench_reports::store::PAGE;
@@ -128,7 +128,7 @@ pub fn choice_check() -> Results {
         ..ValidatedChoice::default()
     };
     Results {
-        part: Part::ChoiceCheck(CheckRecord {
+        part: Part::ChoiceCheck(ChoiceCheckRecord {
             choices: (0..9).map(scene).collect(),
         }),
         ..Results::default()

@@ -166,6 +166,7 @@ fn tangent_is_the_derivative_of_the_force() {
                         stiffness: stiffness.clone(),
                         exponent,
                         damping,
+                        normal_force: None,
                         friction,
                         slices: None,
                         flanks: FlankContact::Toothing,

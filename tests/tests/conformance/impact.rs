@@ -13,11 +13,11 @@ use gearbench_models::stiffness::{IsoVariation, PairOrMesh, PairStiffness};
 use gearbench_tests::*;
 
 /// End after the impact, before the opposite flanks touch, and initial gap.
-const T_END: f64 = 1.5e-4;
+pub const T_END: f64 = 1.5e-4;
 const GAP: f64 = 3.1e-6;
 
 /// Returns the models in contact of tooth pairs.
-fn of_pairs() -> Vec<Model> {
+pub fn of_pairs() -> Vec<Model> {
     let pairs = subjects().into_iter().filter(|s| !s.flanks);
     let mut models: Vec<Model> = pairs.map(|s| s.model).collect();
     models.dedup_by_key(|m| m.id);
@@ -25,17 +25,17 @@ fn of_pairs() -> Vec<Model> {
 }
 
 /// Builds case A with one model for both gears.
-fn scene_of(model: &Model, contact: &ContactSpec) -> Scene {
+pub fn scene_of(model: &Model, contact: &ContactSpec) -> Scene {
     build(&case_a(GAP), &[usual(model), usual(model)], contact)
 }
 
 /// Returns the methods that support a model.
-fn of_model(model: &Model) -> Vec<&'static Method> {
+pub fn of_model(model: &Model) -> Vec<&'static Method> {
     methods_of(&mut scene_of(model, &contact(usual_stiffness(model))))
 }
 
 /// Returns a step that resolves the impact well beyond 1e-6 of its energy.
-fn fine(info: &MethodInfo) -> Resolution {
+pub fn fine(info: &MethodInfo) -> Resolution {
     match (info.stepping, info.order) {
         (Stepping::Adaptive, _) => Resolution::Tolerance(1e-9),
         (_, 0 | 1) => Resolution::Step(6e-10),

@@ -12,3 +12,4 @@ mod impact;
 mod leaving_tips;
 mod losses;
 mod retardation;
+mod user_law;

@@ -115,6 +115,8 @@ words_of_the_scene! {
     Label, "<model>";
     /// Id of a gear model.
     ModelId, "<gear model>";
+    /// Name of a contact law of the program.
+    ForceLawName, "<contact law>";
     /// Name of a calibration.
     CalibrationName, "<calibration>";
 }

@@ -220,6 +220,7 @@ fn generated(scene: &SceneSpec, rigid: Option<&Modelling>) -> ElasticSettings {
                 },
                 exponent: 1.0,
                 damping: Damping::None,
+                normal_force: None,
                 friction: given.and_then(|c| c.friction),
                 slices: None,
                 flanks: PointContact::new(PENALTY).damped(damping).into(),

@@ -74,6 +74,7 @@ pub fn contact(stiffness: PairStiffness, exponent: f64, damping: Damping) -> Con
         stiffness,
         exponent,
         damping,
+        normal_force: None,
         friction: None,
         slices: None,
         flanks: FlankContact::Toothing,

@@ -31,13 +31,26 @@ impl From<TableError> for Refusal {
     }
 }
 
-/// Runs the scan, or a part of it, and writes its folder.
-pub fn run(context: &Context, args: &Scan, command: &str) -> Result<CommandResult, Refusal> {
+/// Loads the scene with the models that a scan runs.
+fn load(context: &Context, args: &Scan) -> Result<SceneFile, SceneError> {
     let wanted = args.models.as_ref().map(|models| match &args.against {
         Some(label) => format!("{models},{label}"),
         None => models.clone(),
     });
-    let scene = scene_file::load_for(context, &args.scene, Selection::Labels(wanted.as_deref()))?;
+    scene_file::load_for(context, &args.scene, Selection::Labels(wanted.as_deref()))
+}
+
+/// Returns what the cells of a scan are computed from, without running any: the records of all its parts have the same.
+///
+/// # Errors
+/// As those of [`run`] before its first cell.
+pub fn identity(context: &Context, args: &Scan) -> Result<ScanIdentity, Refusal> {
+    Ok(plan(&load(context, args)?, args, "")?.identity)
+}
+
+/// Runs the scan, or a part of it, and writes its folder.
+pub fn run(context: &Context, args: &Scan, command: &str) -> Result<CommandResult, Refusal> {
+    let scene = load(context, args)?;
     let plan = plan(&scene, args, command)?;
     // A key or a listed value that the scene refuses is refused before anything runs.
     if !plan.cells().is_empty() {

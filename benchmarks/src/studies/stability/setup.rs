@@ -89,7 +89,7 @@ impl Axis {
             }
             Axis::Damping => {
                 let mut ratios = setup.modelling.contacts.iter().map(|c| match c.damping {
-                    _ if c.exponent != 1.0 => None,
+                    _ if c.exponent != 1.0 || c.normal_force.is_some() => None,
                     Damping::None => Some(0.0),
                     Damping::KelvinVoigtRatio { ratio } | Damping::RatioAtLoad { ratio } => {
                         Some(ratio)

@@ -53,6 +53,7 @@ pub fn formulas(spec: &SceneSpec, modelling: &Modelling) -> [Entry; 2] {
         for contact in &mut modelling.contacts {
             contact.stiffness = stiffness.clone();
             contact.exponent = 1.0;
+            contact.normal_force = None;
             contact.flanks = FlankContact::Toothing;
         }
         Entry {

@@ -6,7 +6,7 @@ use crate::law::{Friction, FrictionForce, Law, LawForce, SeenBy, retarded};
 pub const UNUSED: u32 = u32::MAX;
 
 /// A contact point of the solve: nodes, weights, law and results.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Spring {
     /// Indices of the solved nodes; unused entries have no weight.
     pub nodes: [u32; 8],

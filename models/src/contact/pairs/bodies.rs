@@ -93,10 +93,7 @@ impl LinesOfAction {
                 }
                 let p = self.pair(line, gears, pair, s);
                 let c = self.contact(mesh, line, slot, &p);
-                let n = law
-                    .branch(mode)
-                    .smooth(p.gap, c.rate, c.speed, c.stiffness)
-                    .n;
+                let n = law.force_in_mode(mode, p.gap, c.rate, c.speed, c.stiffness);
                 let mut on_second = n * c.touch.normal;
                 if c.stiffness_s != 0.0 {
                     // What the potential changes by along the path.

@@ -108,7 +108,7 @@ impl LinesOfAction {
             return;
         }
         let settled =
-            self.elastic.exponent() == 1.0 && settle_two_loaded(g, &c) || self.iterate(g, &c);
+            self.elastic.is_linear_elastic() && settle_two_loaded(g, &c) || self.iterate(g, &c);
         if !settled {
             // A stalled solve must not pass for a force.
             g.gap = [f64::NAN; MOST];

@@ -132,10 +132,8 @@ impl LoadedPair {
 /// Computes the force of a closed pair, with the parametric term of its stiffness along the path.
 #[inline(always)]
 fn press(law: &Law, mesh: &Mesh<'_>, p: &mut LoadedPair) {
-    let n = law
-        .branch(mesh.modes[2 * p.slot])
-        .smooth(p.gap, p.rate, mesh.impact_speed(p), p.stiffness)
-        .n;
+    let (mode, v0) = (mesh.modes[2 * p.slot], mesh.impact_speed(p));
+    let n = law.force_in_mode(mode, p.gap, p.rate, v0, p.stiffness);
     p.on = [n; 2];
     if p.stiffness_s != 0.0 {
         let along = 0.5 * law.d_potential_dk(p.gap, p.stiffness) * p.stiffness_s;
@@ -393,7 +391,7 @@ impl LinesOfAction {
             return;
         }
         for p in &mut *found {
-            p.elastic = self.elastic.smooth(p.gap, 0.0, 0.0, p.stiffness).n;
+            p.elastic = self.elastic.force(p.gap, 0.0, 0.0, p.stiffness);
         }
         for j in 1..found.len() {
             let (before, rest) = found.split_at_mut(j);

@@ -35,16 +35,19 @@ fn branches_of_a_bounded_dashpot_make_up_its_force() {
         for j in -40..=40 {
             let (g, rate) = (-1e-6 * f64::from(i), 0.11 * f64::from(j));
             let mode = bounded.mode(g, rate, k);
-            let (acts, branch) = (bounded.clipped(g, rate, V0, k), bounded.branch(mode));
+            let acts = bounded.clipped(g, rate, V0, k);
             if bounded.valid_for(mode, g, rate, V0, k) > 0.0 {
-                assert_eq!(acts, branch.smooth(g, rate, V0, k), "{g} {rate}");
+                let branch = bounded.smooth_in_mode(mode, g, rate, V0, k);
+                assert_eq!(acts, branch, "{g} {rate}");
+                let force = bounded.force_in_mode(mode, g, rate, V0, k);
+                assert_eq!(acts.n, force, "{g} {rate}");
             } else {
                 assert_eq!((mode, acts), (CLOSED, LawForce::default()), "{g} {rate}");
             }
         }
         let g = -1e-6 * f64::from(i);
         let rate = k * g / 900.0;
-        let [two, one] = [SATURATED, CLOSED].map(|m| bounded.branch(m).smooth(g, rate, V0, k).n);
+        let [two, one] = [SATURATED, CLOSED].map(|m| bounded.force_in_mode(m, g, rate, V0, k));
         assert!((two - one).abs() < 1e-9 * two);
         assert_eq!(bounded.mode_after(SATURATED, rate), CLOSED);
         assert_eq!(bounded.mode_after(CLOSED, rate), SATURATED);

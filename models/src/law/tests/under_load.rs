@@ -75,7 +75,7 @@ fn a_ratio_at_load_is_that_of_small_vibrations_and_needs_a_load() {
             stiffness: k,
             mass: MASS,
         };
-        let loaded = law.under_load(load).unwrap();
+        let loaded = law.clone().under_load(load).unwrap();
         let deflection = (load.force / k).powf(1.0 / exponent);
         let f = loaded.smooth(-deflection, 0.0, 0.0, k);
         let got = -f.dn_dgdot / (2.0 * (-f.dn_dg * MASS).sqrt());

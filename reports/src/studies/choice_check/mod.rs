@@ -275,7 +275,7 @@ pub fn shares(scenes: &[ValidatedChoice]) -> Vec<Share> {
 /// The part of a record that is specific to a validation of choices.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
-pub struct CheckRecord {
+pub struct ChoiceCheckRecord {
     /// Choices of a model validated on random scenes.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub choices: Vec<ValidatedChoice>,

@@ -109,6 +109,7 @@ fn correction_is_the_inverse_of_the_newton_matrix() {
                             stiffness: stiffness.clone(),
                             exponent,
                             damping,
+                            normal_force: None,
                             friction: None,
                             slices: None,
                             flanks: FlankContact::Toothing,

@@ -94,7 +94,8 @@ fn damps(gear: &ModelSpec) -> bool {
 
 fn dissipates(contact: &ContactSpec) -> bool {
     let dashpot = contact.flanks.penalty().map_or(0.0, |[_, dashpot]| dashpot);
-    dashpot > 0.0 || contact.damping != Damping::None
+    let own = (contact.normal_force.as_ref()).is_some_and(|law| !law.is_elastic());
+    dashpot > 0.0 || own || contact.damping != Damping::None
 }
 
 fn damp(gear: &mut ModelSpec) -> Option<&'static str> {
@@ -112,7 +113,8 @@ fn damp(gear: &mut ModelSpec) -> Option<&'static str> {
 }
 
 fn damp_contact(contact: &mut ContactSpec) -> Option<&'static str> {
-    if contact.flanks != FlankContact::Toothing || contact.exponent != 1.0 {
+    let power = contact.exponent == 1.0 && contact.normal_force.is_none();
+    if contact.flanks != FlankContact::Toothing || !power {
         return None;
     }
     contact.damping = Damping::KelvinVoigtRatio { ratio: RATIO };

@@ -9,7 +9,7 @@ fn forces_hold_at_the_end_of_the_kick() {
         let law = Law::new(1.0, Damping::KelvinVoigt { c }).unwrap();
         let gaps = [(-2e-6, -0.1), (-1e-6, 0.2), (1e-6, -0.3), (-1e-9, -0.3)];
         let mut springs: Vec<Spring> = (gaps.iter())
-            .map(|&of| Spring::new(([0; 8], [0.0; 8]), of, 1e8, law))
+            .map(|&of| Spring::new(([0; 8], [0.0; 8]), of, 1e8, law.clone()))
             .collect();
         let (r, y) = (2e-9, 5e-6);
         let mut solve = DissipativeSolve {
@@ -82,7 +82,7 @@ fn gears_that_hardly_vibrate_have_forces() {
                     force,
                     elastic: (gap0, force.n),
                     elastic_stiffness: -force.dn_dg,
-                    ..Spring::new(([0; 8], [0.0; 8]), (gap0, rate), 1e8, law)
+                    ..Spring::new(([0; 8], [0.0; 8]), (gap0, rate), 1e8, law.clone())
                 }
             })
             .collect();

@@ -34,7 +34,7 @@ fn problem(n: usize, m: usize, rank: usize, law: Law) -> (Vec<Block>, Vec<f64>, 
             (nodes[4 + c], weights[4 + c]) = ((n + (p * p + c) % n) as u32, 0.5 + 0.4 * draw());
         }
         let of = (1e-5 * (draw() - 0.5), 0.3 * draw());
-        Spring::new((nodes, weights), of, 1e8 * (1.5 + draw()), law)
+        Spring::new((nodes, weights), of, 1e8 * (1.5 + draw()), law.clone())
     });
     (blocks.to_vec(), compliance, springs.collect())
 }
@@ -113,7 +113,7 @@ fn where_it_begins_does_not_show() {
 fn other_exponents_hold_their_law() {
     for exponent in [1.2, 1.5] {
         let law = Law::new(exponent, Damping::None).unwrap();
-        let (blocks, r, mut springs) = problem(8, 25, 8, law);
+        let (blocks, r, mut springs) = problem(8, 25, 8, law.clone());
         for s in &mut springs {
             // Forces of the same size for all exponents.
             s.stiffness *= (1e-5_f64).powf(1.0 - exponent);
