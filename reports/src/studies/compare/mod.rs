@@ -47,10 +47,12 @@ pub struct CompareRecord {
 
 /// Returns the report of a comparison.
 pub(super) fn report(view: &View<'_>, part: &CompareRecord) -> Result<StudyReport, DrawError> {
+    let moving = motion::viewer(view, mesh::FILE);
     let first = [
         histories::force(view)?,
         cost::accuracy(view)?,
         histories::speeds(view)?,
+        mesh::mesh(view)?.map(|c| mesh::captioned(c, moving.as_ref())),
     ];
     let before = [
         cost::runtime(view)?,
@@ -59,9 +61,7 @@ pub(super) fn report(view: &View<'_>, part: &CompareRecord) -> Result<StudyRepor
         teeth::teeth(view)?,
         channels::channels(view)?,
         paths::shares(view)?,
-        mesh::mesh(view)?,
     ];
-    let moving = motion::viewer(view, mesh::FILE);
     let charts = (before.into_iter().flatten())
         .chain(flanks::flanks(view)?)
         .chain(deformed::deformed(view)?);
@@ -71,9 +71,7 @@ pub(super) fn report(view: &View<'_>, part: &CompareRecord) -> Result<StudyRepor
         answer: usize::from(view.yardstick.is_some()),
         first: first.into_iter().flatten().collect(),
         tables: html! { (glance::glance(view)) (timing::timing(view, part)) (meshes::table(view)) (paths::tables(view)) },
-        charts: charts
-            .map(|c| mesh::captioned(c, moving.as_ref()))
-            .collect(),
+        charts: charts.collect(),
         viewer: moving.map(|(viewer, _)| viewer),
         details: runs::all(view),
         csv: [meshes::csv(view), paths::csv(view)].concat(),
