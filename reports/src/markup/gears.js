@@ -510,8 +510,8 @@
     const follow = element("input", { type: "checkbox" });
     const closer = button("+", "Closer");
     const wider = button("\u2212", "Wider");
-    const home = button("Reset view", "Reset the view");
-    const space = button(state.solid ? "Section" : "3D", "Change between section and space");
+    const home = element("button", { type: "button" }, "Reset view");
+    const space = element("button", { type: "button", title: "Change between section and space" }, state.solid ? "Section" : "3D");
     const controls = element("div", { class: "controls", role: "group", "aria-label": "Motion of the gears" },
       play, back, next, scrub, clock, speed, ...(largest > 0 ? [factor] : []),
       element("label", {}, follow, " follow the contact"), wider, closer, home,

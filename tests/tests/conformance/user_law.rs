@@ -110,7 +110,7 @@ fn an_elastic_law_of_a_program_keeps_the_energy() {
             );
             let residual = o.ledger.residual_relative();
             assert!(residual.abs() <= bound, "{what}: ledger {residual:.2e}");
-            assert_eq!(o.ledger.end.contact, 0.0, "{what}: still in contact");
+            assert!(o.peak > 100.0, "{what}: a peak of {} N is no impact", o.peak);
         }
     }
 }
