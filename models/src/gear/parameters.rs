@@ -146,6 +146,15 @@ pub trait ModelParameters:
             let why = ("is not known", way_out);
             return Err(BuildError::parameter(Self::MODEL, key, why));
         }
+        let refuse = |key: &str, why: String| {
+            let info = Self::KEYS.iter().find(|p| p.key == key);
+            let meaning = info.map_or(String::new(), |p| format!("`{key}`: {}", p.meaning));
+            BuildError::parameter(Self::MODEL, key, (why, meaning))
+        };
+        // JSON has no number that is not finite: a null stands for it.
+        if let Some((key, _)) = values.iter().find(|(_, x)| x.is_null()) {
+            return Err(refuse(key, "is no finite number".into()));
+        }
         let fields: serde_json::Map<String, Value> = (values.into_iter())
             .map(|(k, x)| (k, whole_numbers(x)))
             .collect();
@@ -157,9 +166,7 @@ pub trait ModelParameters:
                 Some((key, error))
             });
             let (key, why) = blamed.unwrap_or((String::new(), whole));
-            let info = Self::KEYS.iter().find(|p| p.key == key);
-            let meaning = info.map_or(String::new(), |p| format!("`{key}`: {}", p.meaning));
-            BuildError::parameter(Self::MODEL, &key, (why.to_string(), meaning))
+            refuse(&key, why.to_string())
         })
     }
 

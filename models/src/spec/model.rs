@@ -23,16 +23,24 @@ impl ModelSpec {
         self.parameters.values()
     }
 
-    /// Gives a parameter by its key; a null takes it away.
+    /// Gives a parameter by its key.
     ///
     /// # Errors
     /// A key that the model does not have, or a value that it does not take.
     pub fn set(&mut self, key: &str, value: impl Into<Value>) -> Result<(), BuildError> {
         let mut values = self.values();
-        match value.into() {
-            Value::Null => values.remove(key),
-            value => values.insert(key.to_owned(), value),
-        };
+        values.insert(key.to_owned(), value.into());
+        self.parameters = self.parameters.read_again(values)?;
+        Ok(())
+    }
+
+    /// Takes a parameter away: it has its default, or is missing.
+    ///
+    /// # Errors
+    /// [`BuildError`] where the others are none without it.
+    pub fn unset(&mut self, key: &str) -> Result<(), BuildError> {
+        let mut values = self.values();
+        values.remove(key);
         self.parameters = self.parameters.read_again(values)?;
         Ok(())
     }

@@ -194,10 +194,10 @@ fn models_and_their_parameters() {
     ] {
         parameter(teeth(), key, value, &words);
     }
-    parameter(
-        teeth(),
-        "tooth_stiffness_n_per_m",
-        Value::Null,
+    let mut missing = teeth();
+    missing.unset("tooth_stiffness_n_per_m").unwrap();
+    model(
+        missing,
         &["`tooth_stiffness_n_per_m`", "is missing", "identify"],
     );
     // The example refuses in the same manner.

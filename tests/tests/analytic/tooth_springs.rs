@@ -145,7 +145,9 @@ fn by_radius(damping: f64) -> ModelSpec {
         "stiffness_at_radius_n_per_m",
         vec![6e8, 4.5e8, 2.5e8],
     );
-    with(model, "tooth_stiffness_n_per_m", serde_json::Value::Null)
+    let mut model = model;
+    model.unset("tooth_stiffness_n_per_m").unwrap();
+    model
 }
 
 #[test]

@@ -229,8 +229,11 @@ fn the_vibration_cut_off_keeps_momentum() {
 
 #[test]
 fn shares_that_are_none_are_refused() {
-    for share in [-0.1, 1.0, f64::NAN] {
-        let teeth = with(movable(5.3e8, 4.8e-3, 60.0), "vibration_cut_off", share);
+    let mut teeth = movable(5.3e8, 4.8e-3, 60.0);
+    let e = teeth.set("vibration_cut_off", f64::NAN).unwrap_err();
+    assert!(e.to_string().contains("is no finite number"), "{e}");
+    for share in [-0.1, 1.0] {
+        let teeth = with(teeth.clone(), "vibration_cut_off", share);
         let e = try_build(&hammer(100e-6), &[teeth, rigid()], &contact(5e10));
         let e = e.err().unwrap().to_string();
         assert!(

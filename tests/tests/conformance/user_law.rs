@@ -110,7 +110,11 @@ fn an_elastic_law_of_a_program_keeps_the_energy() {
             );
             let residual = o.ledger.residual_relative();
             assert!(residual.abs() <= bound, "{what}: ledger {residual:.2e}");
-            assert!(o.peak > 100.0, "{what}: a peak of {} N is no impact", o.peak);
+            assert!(
+                o.peak > 100.0,
+                "{what}: a peak of {} N is no impact",
+                o.peak
+            );
         }
     }
 }

@@ -16,7 +16,7 @@ fn loaded_mesh(modal: f64) -> (SceneSpec, Modelling) {
     .unwrap();
     let mut modelling = file.model("elastic").unwrap().modelling.clone();
     for gear in &mut modelling.gears {
-        gear.set("rayleigh", serde_json::Value::Null).unwrap();
+        gear.unset("rayleigh").unwrap();
         gear.set("damping_ratio", modal).unwrap();
     }
     for contact in &mut modelling.contacts {
