@@ -32,8 +32,8 @@ pub use markup::column::Format;
 pub use metrics::{FinishedRun, Metric, UnfinishedRun, compare};
 pub use record::{
     BodyPath, ContactPoint, ContactSnapshot, DeformedSection, FlankGrid, FlankLoad, FlankPatch,
-    FlankValue, FrameContacts, Ledger, Machine, Metrics, Motion, OUTLINE, Outline, Part, Quantised,
-    ReferenceSeries, Results, Run, SCHEMA, Status, Study, StudyHeader, Tolerance,
+    FlankValue, FrameContacts, GearMotion, Ledger, Machine, Metrics, OUTLINE, Outline, Part,
+    Quantised, ReferenceSeries, Results, Run, SCHEMA, Status, Study, StudyHeader, Tolerance,
     ToothDisplacements, ToothedBody, finite,
 };
 pub use series::{Column, TimeSeries, decimate};

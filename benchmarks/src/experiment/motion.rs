@@ -13,8 +13,8 @@ use gearbench_models::kinematics::Tooth;
 use gearbench_models::scene::{ContactExtent, ContactForce, DeformedFlank, Scene};
 use gearbench_models::spec::{Body, SceneSpec, UPRIGHT, mesh_layout};
 use gearbench_reports::record::{
-    BodyPath, FlankValue, FrameContacts, FramePose, Motion, OUTLINE, Quantised, ToothDisplacements,
-    ToothedBody,
+    BodyPath, FlankValue, FrameContacts, FramePose, GearMotion, OUTLINE, Quantised,
+    ToothDisplacements, ToothedBody,
 };
 
 /// Points per flank of a body whose sections differ: it is drawn in space only.
@@ -75,7 +75,7 @@ pub fn bodies(spec: &SceneSpec) -> Vec<ToothedBody> {
 }
 
 /// Returns the motion of a run at the states of its history.
-pub fn motion(spec: &SceneSpec, scene: &mut Scene, history: &History) -> Motion {
+pub fn motion(spec: &SceneSpec, scene: &mut Scene, history: &History) -> GearMotion {
     let mut states: Vec<&State> = (history.instants.states.iter())
         .chain(&history.flight.states)
         .chain(&history.peak_state)
@@ -95,13 +95,13 @@ pub fn motion(spec: &SceneSpec, scene: &mut Scene, history: &History) -> Motion 
     let bodies = bodies(spec);
     let paths: Vec<BodyPath> = (0..bodies.len()).map(|i| path(scene, i, &states)).collect();
     let view = scene.gears().first().map(|g| g.model.hub().hub.axes);
-    let mut motion = Motion {
+    let mut motion = GearMotion {
         view: view.unwrap_or(UPRIGHT).map(|a| [a.x, a.y, a.z]),
         bodies,
         paths,
         meshes: spec.meshes.iter().map(|m| m.gears).collect(),
         time_s: states.iter().map(|s| s.t).collect(),
-        ..Motion::default()
+        ..GearMotion::default()
     };
     let slices = if motion.is_plane() { 1 } else { MOST_SLICES };
     motion.contacts = contacts(spec, scene, (&states, &forces), slices);
@@ -301,7 +301,7 @@ fn displacements(
     spec: &SceneSpec,
     scene: &mut Scene,
     (states, forces): (&[&State], &[Vec<ContactForce>]),
-    motion: &Motion,
+    motion: &GearMotion,
     gear: usize,
 ) -> Option<ToothDisplacements> {
     let model = &scene.gears()[gear].model;

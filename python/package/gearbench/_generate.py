@@ -109,6 +109,8 @@ NOT_OF_STUDIES = {"ValidatedChoice", "ValidatedCandidate", "ChoiceCheckRecord"}
 
 def class_of(name: str, base: str, schema: dict[str, Any]) -> str:
     """Return the dataclass of a type of the record."""
+    if name[-1].isdigit():
+        raise ValueError(f"two types of the record are named {name.rstrip('0123456789')}")
     required = set(schema.get("required", []))
     fields, documented, arrays = [], [], []
     for key, value in schema.get("properties", {}).items():

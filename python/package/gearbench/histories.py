@@ -41,7 +41,7 @@ class TimeSeries(Mapping[str, FloatArray]):
     # Where the run has written the histories.
     _written_at: dict[str, int]
 
-    def __init__(self, time_s: Any = (), columns: Any = (), force: Any = None) -> None:
+    def __init__(self, time_s: Any = (), columns: Any = (), forces: Any = ()) -> None:
         self.time_s = np.asarray(time_s, dtype=np.float64)
         if isinstance(columns, Mapping):
             self.columns = dict(columns)

@@ -1075,6 +1075,39 @@ class FrameContacts(RecordBase):
 
 
 @dataclass(kw_only=True, repr=True)
+class GearMotion(RecordBase):
+    """Motion of all gears of a run at some instants.
+
+    Attributes
+    ----------
+    bodies : list[ToothedBody]
+        The gears, in the order of the scene.
+    contacts : FrameContacts
+        Contacts with their forces.
+    meshes : list[tuple[int, int]]
+        Gears of each mesh, by their places in the list of bodies.
+    paths : list[BodyPath]
+        Poses of the gears, in the order of the scene.
+    teeth : list[ToothDisplacements]
+        Displacements of teeth; of gears with rigid teeth there are none.
+    time_s : FloatArray
+        Times of the frames, ascending [s].
+    view : tuple[tuple[float, float, float], tuple[float, float, float], tuple[float, float, float]]
+        Axes of a picture in space: to the right, upwards and towards the reader, those of the
+        first gear at rest.
+    """
+
+    _arrays: ClassVar[tuple[str, ...]] = ("time_s",)
+    bodies: list[ToothedBody]
+    contacts: FrameContacts
+    meshes: list[tuple[int, int]]
+    paths: list[BodyPath]
+    teeth: list[ToothDisplacements] = field(default_factory=list)
+    time_s: FloatArray
+    view: tuple[tuple[float, float, float], tuple[float, float, float], tuple[float, float, float]]
+
+
+@dataclass(kw_only=True, repr=True)
 class GroupResponse(RecordBase):
     """The response to meshes that share a mesh frequency.
 
@@ -1988,39 +2021,6 @@ class ModesRecord(RecordBase):
 
 
 @dataclass(kw_only=True, repr=True)
-class Motion2(RecordBase):
-    """Motion of all gears of a run at some instants.
-
-    Attributes
-    ----------
-    bodies : list[ToothedBody]
-        The gears, in the order of the scene.
-    contacts : FrameContacts
-        Contacts with their forces.
-    meshes : list[tuple[int, int]]
-        Gears of each mesh, by their places in the list of bodies.
-    paths : list[BodyPath]
-        Poses of the gears, in the order of the scene.
-    teeth : list[ToothDisplacements]
-        Displacements of teeth; of gears with rigid teeth there are none.
-    time_s : FloatArray
-        Times of the frames, ascending [s].
-    view : tuple[tuple[float, float, float], tuple[float, float, float], tuple[float, float, float]]
-        Axes of a picture in space: to the right, upwards and towards the reader, those of the
-        first gear at rest.
-    """
-
-    _arrays: ClassVar[tuple[str, ...]] = ("time_s",)
-    bodies: list[ToothedBody]
-    contacts: FrameContacts
-    meshes: list[tuple[int, int]]
-    paths: list[BodyPath]
-    teeth: list[ToothDisplacements] = field(default_factory=list)
-    time_s: FloatArray
-    view: tuple[tuple[float, float, float], tuple[float, float, float], tuple[float, float, float]]
-
-
-@dataclass(kw_only=True, repr=True)
 class MountPoint(RecordBase):
     """Force of a mount at a mesh frequency.
 
@@ -2351,7 +2351,7 @@ class Run(RunBase):
     modes_of_gears : list[int]
         Dynamic modes of each gear in the order of the scene, 0 of a gear that has none (elastic
         model).
-    motion : Motion2 | None
+    motion : GearMotion | None
         Motion of the gears at some instants, of one run of each model.
     newton_iterations : int
         Number of Newton iterations.
@@ -2426,7 +2426,7 @@ class Run(RunBase):
     model: str
     modes: int | None = None
     modes_of_gears: list[int] = field(default_factory=list)
-    motion: Motion2 | None = None
+    motion: GearMotion | None = None
     newton_iterations: int
     own_solution: ConvergedSettings | None = None
     parameters: dict[str, dict[str, Any]] = field(default_factory=dict)

@@ -1,6 +1,6 @@
 //! The viewer of moving gears in the page: its data and scripts. Without a script the page shows the still picture.
 
-use crate::record::{BodyPath, FrameContacts, Motion, ToothDisplacements, ToothedBody};
+use crate::record::{BodyPath, FrameContacts, GearMotion, ToothDisplacements, ToothedBody};
 use maud::{Markup, PreEscaped, html};
 use serde::Serialize;
 
@@ -27,7 +27,7 @@ pub struct MovingModel<'a> {
     /// Colour of the model in charts, `#RRGGBB`.
     pub ink: String,
     /// Motion of the run.
-    pub motion: &'a Motion,
+    pub motion: &'a GearMotion,
 }
 
 /// Data of a model as the script reads it.
@@ -131,7 +131,7 @@ mod tests {
 
     #[test]
     fn names_cannot_end_the_data() {
-        let motion = Motion::default();
+        let motion = GearMotion::default();
         let model = MovingModel {
             label: "</script><b>",
             integrator: "rk4",

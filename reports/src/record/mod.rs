@@ -26,7 +26,7 @@ pub use mesh_force::MeshForce;
 pub(crate) use mesh_mode::damping_to_text;
 pub use mesh_mode::{MeshMode, damping_differs};
 pub use motion::{
-    BodyPath, BodySection, FrameContacts, FramePose, Motion, OUTLINE, ToothDisplacements,
+    BodyPath, BodySection, FrameContacts, FramePose, GearMotion, OUTLINE, ToothDisplacements,
     ToothedBody,
 };
 pub use paths::{MemberPath, MeshPath, PlanetShare, ShaftPath, Sharing, TorquePaths};

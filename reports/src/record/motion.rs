@@ -17,7 +17,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(default)]
-pub struct Motion {
+pub struct GearMotion {
     /// Axes of a picture in space: to the right, upwards and towards the reader, those of the first gear at rest.
     pub view: [[f64; 3]; 3],
     /// The gears, in the order of the scene.
@@ -314,7 +314,7 @@ impl ToothedBody {
     }
 }
 
-impl Motion {
+impl GearMotion {
     /// True if all axes are parallel and keep their direction, and all sections of the bodies are alike, so that one
     /// section shows everything.
     pub fn is_plane(&self) -> bool {

@@ -1,8 +1,8 @@
 //! The record of a run: one model under one integrator, with cost, status and results.
 
 use super::{
-    ContactSnapshot, Ledger, MeshForce, Metrics, Motion, Steady, TorquePaths, is_not_finite, nan,
-    not_a_number, slug,
+    ContactSnapshot, GearMotion, Ledger, MeshForce, Metrics, Steady, TorquePaths, is_not_finite,
+    nan, not_a_number, slug,
 };
 use crate::histories::Histories;
 use crate::metrics::{FinishedRun, UnfinishedRun};
@@ -192,7 +192,7 @@ pub struct Run {
     pub contacts: Option<ContactSnapshot>,
     /// Motion of the gears at some instants, of one run of each model.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub motion: Option<Motion>,
+    pub motion: Option<GearMotion>,
 }
 
 /// Method, step and tolerance of a model's own converged solution.

@@ -319,7 +319,7 @@ fn motions_in_space_have_a_still_picture_and_broken_ones_are_refused() {
     );
     let page = &files[PAGE];
     assert!(page.contains("\"spatial\":true") && page.contains("Meshing teeth"));
-    let motion = |change: fn(&mut gearbench_reports::Motion)| {
+    let motion = |change: fn(&mut gearbench_reports::GearMotion)| {
         let mut broken = results.clone();
         change(broken.runs[place].motion.as_mut().unwrap());
         broken.validate().unwrap_err()

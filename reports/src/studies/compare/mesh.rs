@@ -11,7 +11,7 @@ use crate::drawing::panel::WIDTH;
 use crate::drawing::style::{curve_style, marker};
 use crate::markup::gears::Viewer;
 use crate::numbers::{counted, quantity, short};
-use crate::record::{ContactPoint, ContactSnapshot, Motion, Run};
+use crate::record::{ContactPoint, ContactSnapshot, GearMotion, Run};
 use crate::view::View;
 
 const GAP: f64 = 20.0;
@@ -133,7 +133,7 @@ pub(super) fn captioned(mut chart: Chart, moving: Option<&(Viewer, Vec<String>)>
 }
 
 /// Draws the gears of a model in space.
-fn in_space(p: &Picture<'_>, motion: &Motion, title: &str) -> Result<Chart, DrawError> {
+fn in_space(p: &Picture<'_>, motion: &GearMotion, title: &str) -> Result<Chart, DrawError> {
     const HEIGHT: f64 = 520.0;
     let frame = motion.nearest(p.snapshot.time_s).unwrap_or(0);
     let svg = draw(WIDTH, HEIGHT + 30.0, title, |c| {

@@ -3,7 +3,7 @@
 use crate::drawing::canvas::Ink;
 use crate::drawing::style::curve_style;
 use crate::markup::gears::{MovingModel, Viewer};
-use crate::record::{ContactSnapshot, Motion, Outline, Run};
+use crate::record::{ContactSnapshot, GearMotion, Outline, Run};
 use crate::view::View;
 
 /// Largest number of models next to each other.
@@ -14,7 +14,7 @@ const MOST_BYTES: [usize; 2] = [1_000_000, 3_000_000];
 const WANDERS: f64 = 1e-3;
 
 /// True if gears are seen best in space: axes are not parallel, teeth are not straight, or gears are inside one another.
-pub fn is_spatial(motion: &Motion) -> bool {
+pub fn is_spatial(motion: &GearMotion) -> bool {
     let wanders = motion.paths.iter().any(|p| {
         let moved = p
             .shift_m
@@ -60,7 +60,7 @@ pub fn still(run: &Run) -> Option<ContactSnapshot> {
 }
 
 /// Size of the data of a motion in the page, without its bodies [bytes].
-fn bytes(motion: &Motion) -> usize {
+fn bytes(motion: &GearMotion) -> usize {
     let of_teeth = motion
         .teeth
         .iter()

@@ -6,7 +6,7 @@
 use crate::drawing::canvas::{Canvas, Ink, Stroke};
 use crate::drawing::geometry::{Rect, simplified};
 use crate::drawing::heat::colour;
-use crate::record::{BodySection, FramePose, Motion, ToothedBody};
+use crate::record::{BodySection, FramePose, GearMotion, ToothedBody};
 
 /// Rotation of the view about the vertical and the horizontal of the picture [rad].
 const TURN: [f64; 2] = [-0.55, -0.5];
@@ -191,7 +191,7 @@ fn widened(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
 }
 
 /// Paints the gears of a motion at a frame into an area; arrows have the colour `ink`.
-pub fn paint(c: &mut Canvas, motion: &Motion, (frame, ink): (usize, Ink), area: &Rect) {
+pub fn paint(c: &mut Canvas, motion: &GearMotion, (frame, ink): (usize, Ink), area: &Rect) {
     let poses: Option<Vec<FramePose>> = (motion.paths.iter())
         .map(|p| p.poses().ok()?.get(frame).copied())
         .collect();
@@ -244,7 +244,7 @@ pub fn paint(c: &mut Canvas, motion: &Motion, (frame, ink): (usize, Ink), area: 
 /// Paints lines of contact and the sum of the forces of each tooth pair.
 fn contacts(
     c: &mut Canvas,
-    motion: &Motion,
+    motion: &GearMotion,
     (frame, ink): (usize, Ink),
     at: &dyn Fn(&Point) -> (f64, f64),
     area: &Rect,

@@ -7,8 +7,8 @@ mod studies;
 
 use gearbench_reports::{
     BodyPath, ContactPoint, ContactSnapshot, FinishedRun, FlankGrid, FlankLoad, FlankPatch,
-    FlankValue, FrameContacts, Ledger, Machine, Metric, Metrics, Motion, OUTLINE, Outline, Part,
-    Quantised, ReferenceSeries, Results, Run, Status, StudyHeader, TimeSeries, Tolerance,
+    FlankValue, FrameContacts, GearMotion, Ledger, Machine, Metric, Metrics, OUTLINE, Outline,
+    Part, Quantised, ReferenceSeries, Results, Run, Status, StudyHeader, TimeSeries, Tolerance,
     ToothDisplacements, ToothedBody, compare,
 };
 use std::f64::consts::PI;
@@ -160,7 +160,7 @@ pub fn snapshot(forces: &[(f64, f64, &str)]) -> ContactSnapshot {
 
 /// Makes the motion of the pair 20/30 at three instants, helical if `helix` is not 0 [rad]: teeth of trapezoids, one contact, and
 /// one tooth of the first gear displaced.
-pub fn motion(helix: f64) -> Motion {
+pub fn motion(helix: f64) -> GearMotion {
     let body = |name: &str, teeth: u32, reach: f64| {
         let pitch = 2.0 * PI / f64::from(teeth);
         let section = |turn: f64| {
@@ -204,7 +204,7 @@ pub fn motion(helix: f64) -> Motion {
         ..BodyPath::default()
     };
     let of = |values: &[f64]| Quantised::relative(values);
-    Motion {
+    GearMotion {
         view: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
         bodies: vec![body("gear 1", 20, 0.044), body("gear 2", 30, 0.064)],
         time_s: vec![0.0, 6.31e-5, 1.2e-4],
