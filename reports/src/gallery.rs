@@ -1,12 +1,11 @@
 //! The gallery of a folder of results: a page with finding, first chart and date of each, which links to the reports.
 
 use crate::drawing::canvas::DrawError;
-use crate::drawing::style::night;
-use crate::markup::{STYLE, sentences};
+use crate::markup::{document, sentences};
 use crate::record::Results;
 use crate::store::PAGE;
 use crate::studies::report;
-use maud::{DOCTYPE, Markup, PreEscaped, html};
+use maud::{Markup, html};
 
 /// Content of the element `generator` of a gallery, by which it is known among other pages.
 pub const GENERATOR: &str = "gearbench gallery";
@@ -30,27 +29,16 @@ pub fn gallery(title: &str, entries: &[Entry]) -> Result<String, DrawError> {
         created(b).cmp(&created(a)).then(a.folder.cmp(&b.folder))
     });
     let cards: Vec<Markup> = order.iter().map(|e| card(e)).collect::<Result<_, _>>()?;
-    let page = html! {
-        (DOCTYPE)
-        html lang="en" {
-            head {
-                meta charset="utf-8";
-                meta name="viewport" content="width=device-width, initial-scale=1";
-                meta name="generator" content=(GENERATOR);
-                title { (title) " - gearbench" }
-                style { (PreEscaped(STYLE)) "@media screen and (prefers-color-scheme: dark){" (PreEscaped(night())) "}" }
+    let body = html! {
+        main {
+            header {
+                p.kicker { "gearbench \u{b7} " (entries.len()) @if entries.len() == 1 { " result" } @else { " results" } }
+                h1 { (title) }
             }
-            body {
-                main {
-                    header {
-                        p.kicker { "gearbench \u{b7} " (entries.len()) @if entries.len() == 1 { " result" } @else { " results" } }
-                        h1 { (title) }
-                    }
-                    div.gallery { @for card in &cards { (card) } }
-                }
-            }
+            div.gallery { @for card in &cards { (card) } }
         }
     };
+    let page = document(&html! { (title) }, GENERATOR, &body);
     Ok(page.into_string())
 }
 
@@ -59,10 +47,6 @@ fn card(entry: &Entry) -> Result<Markup, DrawError> {
     let results = &entry.results;
     let header = &results.header;
     let report = report(results)?;
-    let name = match header.title.is_empty() {
-        true => &header.scene,
-        false => &header.title,
-    };
     let below = |file: &str| address(&format!("{}/{file}", entry.folder));
     let link = below(PAGE);
     let answer = report.finding.get(report.answer).cloned();
@@ -70,7 +54,7 @@ fn card(entry: &Entry) -> Result<Markup, DrawError> {
     let first = report.all_charts().next();
     Ok(html! {
         section.card {
-            h2 { a href=(link) { (name) } }
+            h2 { a href=(link) { (header.name()) } }
             p.stamp { (results.study_name()) " \u{b7} scene " (header.scene) " \u{b7} " (header.created) " \u{b7} " code { (entry.folder) } }
             p { (sentences(&answer)) }
             @if let Some(chart) = first {

@@ -21,7 +21,7 @@ use gears::Viewer;
 use maud::{DOCTYPE, Markup, PreEscaped, Render, html};
 
 /// Style of all pages.
-pub const STYLE: &str = include_str!("style.css");
+const STYLE: &str = include_str!("style.css");
 /// Script of all pages.
 pub const SCRIPT: &str = include_str!("charts.js");
 
@@ -119,13 +119,26 @@ pub fn short_of(results: &Results) -> String {
     }
 }
 
+/// Renders a document: title, the program that made it, style, and what its body contains.
+pub fn document(title: &Markup, generator: &str, body: &Markup) -> Markup {
+    html! {
+        (DOCTYPE)
+        html lang="en" {
+            head {
+                meta charset="utf-8";
+                meta name="viewport" content="width=device-width, initial-scale=1";
+                meta name="generator" content=(generator);
+                title { (title) " - gearbench" }
+                style { (PreEscaped(STYLE)) "@media screen and (prefers-color-scheme: dark){" (PreEscaped(night())) "}" }
+            }
+            body { (body) }
+        }
+    }
+}
+
 /// Returns the HTML page of a record with the report of its study.
 pub fn page(results: &Results, report: &StudyReport) -> String {
-    let name = if results.header.title.is_empty() {
-        &results.header.scene
-    } else {
-        &results.header.title
-    };
+    let name = results.header.name();
     let stamp = [
         results.header.created.clone(),
         format!("commit {}", results.header.commit),
@@ -133,45 +146,35 @@ pub fn page(results: &Results, report: &StudyReport) -> String {
     ];
     let said = |s: &&String| !s.is_empty() && *s != "commit ";
     let stamp: Vec<&str> = stamp.iter().filter(said).map(String::as_str).collect();
-    let page = html! {
-        (DOCTYPE)
-        html lang="en" {
-            head {
-                meta charset="utf-8";
-                meta name="viewport" content="width=device-width, initial-scale=1";
-                meta name="generator" content="gearbench";
-                title { (name) ": " (results.study_name()) " - gearbench" }
-                style { (PreEscaped(STYLE)) "@media screen and (prefers-color-scheme: dark){" (PreEscaped(night())) "}" }
-            }
-            body {
-                main {
-                    header {
-                        p.kicker {
-                            "gearbench \u{b7} " (results.study_name()) " \u{b7} scene " b { (results.header.scene) }
-                        }
-                        h1 { (name) }
-                        p.stamp { (stamp.join(" \u{b7} ")) }
-                    }
-                    section.finding {
-                        h2 { "Finding" }
-                        (finding(report))
-                    }
-                    @if !report.first.is_empty() {
-                        div.first { @for (i, c) in report.first.iter().enumerate() { (chart(i + 1, c, report.viewer.as_ref())) } }
-                    }
-                    (report.tables)
-                    @for (i, c) in report.charts.iter().enumerate() {
-                        (chart(report.first.len() + i + 1, c, report.viewer.as_ref()))
-                    }
-                    (models(&View::new(results)))
-                    (report.details)
-                    (setting(&View::new(results)))
+    let body = html! {
+        main {
+            header {
+                p.kicker {
+                    "gearbench \u{b7} " (results.study_name()) " \u{b7} scene " b { (results.header.scene) }
                 }
-                script { (PreEscaped(SCRIPT)) }
-                @if report.viewer.is_some() { (gears::scripts()) }
+                h1 { (name) }
+                p.stamp { (stamp.join(" \u{b7} ")) }
             }
+            section.finding {
+                h2 { "Finding" }
+                (finding(report))
+            }
+            @if !report.first.is_empty() {
+                div.first { @for (i, c) in report.first.iter().enumerate() { (chart(i + 1, c, report.viewer.as_ref())) } }
+            }
+            (report.tables)
+            @for (i, c) in report.charts.iter().enumerate() {
+                (chart(report.first.len() + i + 1, c, report.viewer.as_ref()))
+            }
+            (models(&View::new(results)))
+            (report.details)
+            (setting(&View::new(results)))
         }
+        script { (PreEscaped(SCRIPT)) }
+        @if report.viewer.is_some() { (gears::scripts()) }
     };
+    let title = html! { (name) ": " (results.study_name()) };
+    let page = document(&title, "gearbench", &body);
     let lines = page
         .0
         .replace("<section", "\n<section")

@@ -202,15 +202,17 @@ fn force_errors(
         .map(|mesh| (mesh, force_of(series, mesh), force_of(reference, mesh)))
         .collect();
     let rms = |force: &Force<'_>| (force.square() / lasts).sqrt();
-    let borne: Vec<f64> = (histories.iter())
-        .map(|(.., wanted)| rms(&Force::until(wanted, window)))
+    let forces: Vec<_> = (histories.iter())
+        .map(|(mesh, own, wanted)| {
+            let wanted = Force::until(wanted, window);
+            (mesh, Force::until(own, window), rms(&wanted), wanted)
+        })
         .collect();
-    let most = borne.iter().copied().fold(0.0, f64::max);
-    for ((mesh, own, wanted), bears) in histories.iter().zip(&borne) {
+    let most = forces.iter().map(|f| f.2).fold(0.0, f64::max);
+    for (mesh, own, bears, wanted) in &forces {
         if *bears < BORNE * most {
             continue;
         }
-        let (own, wanted) = (Force::until(own, window), Force::until(wanted, window));
         let target = Target::of(reference, mesh);
         let worst = |metric: &mut Option<f64>, error: f64| {
             *metric = larger(*metric, finite(error));
@@ -220,13 +222,13 @@ fn force_errors(
         let impulses = deviation(own.impulse(), wanted.impulse());
         worst(&mut metrics.impulse_rel, impulses);
         if !samples_of(reference, mesh).is_empty() {
-            worst(&mut metrics.rms_force_rel, deviation(rms(&own), *bears));
+            worst(&mut metrics.rms_force_rel, deviation(rms(own), *bears));
         }
-        let distance = target.distance(&own, 0.0);
+        let distance = target.distance(own, 0.0);
         worst(&mut metrics.force_l1, distance.l1);
         worst(&mut metrics.force_l2, distance.l2);
         if distance.l2.is_finite() {
-            let (shift, aligned) = target.best_shift(&own);
+            let (shift, aligned) = target.best_shift(own);
             if metrics.force_l2_aligned.is_none_or(|known| aligned > known) {
                 metrics.force_l2_aligned = finite(aligned);
                 metrics.time_shift_s = finite(shift);

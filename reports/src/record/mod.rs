@@ -111,6 +111,16 @@ pub struct StudyHeader {
     pub source: Option<Source>,
 }
 
+impl StudyHeader {
+    /// Returns the title of the scene, or its name where it has none.
+    pub fn name(&self) -> &str {
+        match self.title.is_empty() {
+            true => &self.scene,
+            false => &self.title,
+        }
+    }
+}
+
 impl Default for StudyHeader {
     fn default() -> Self {
         Self {

@@ -20,6 +20,11 @@ fn refused(spec: &SceneSpec, gears: &[ModelSpec], contact: &ContactSpec, words: 
         Ok(_) => panic!("was built, expected a refusal with {words:?}"),
         Err(e) => e.to_string(),
     };
+    says(&message, words);
+}
+
+/// Checks that a message contains all of the words.
+fn says(message: &str, words: &[&str]) {
     for word in words {
         assert!(message.contains(word), "`{message}` does not say `{word}`");
     }
@@ -43,11 +48,7 @@ fn model(pinion: ModelSpec, words: &[&str]) {
 fn parameter(mut pinion: ModelSpec, key: &str, value: impl Into<Value>, words: &[&str]) {
     match pinion.set(key, value) {
         Ok(()) => model(pinion, words),
-        Err(e) => {
-            let message = e.to_string();
-            let says = words.iter().all(|word| message.contains(word));
-            assert!(says, "`{message}` does not say {words:?}");
-        }
+        Err(e) => says(&e.to_string(), words),
     }
 }
 
