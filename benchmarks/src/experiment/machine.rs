@@ -4,6 +4,7 @@ pub use super::checkout::commit_of_checkout;
 use gearbench_integrators::clock::processor_time;
 use gearbench_reports::record::{Machine, StudyHeader};
 use std::sync::OnceLock;
+use std::time::Instant;
 
 /// Commit of the program that runs. Its entry point knows it: were it part of this library, every commit would compile
 /// the library and all that depends on it again.
@@ -63,6 +64,17 @@ pub fn machine() -> Machine {
 /// Processor time of this thread [s], where the system reports it ([`processor_time`]).
 pub fn cpu_time() -> Option<f64> {
     processor_time().map(|t| t.as_secs_f64())
+}
+
+/// Does some work and measures its processor time [s]; its wall time where the system does not report that of a thread.
+pub fn timed<T>(work: impl FnOnce() -> T) -> (T, f64) {
+    let (wall, start) = (Instant::now(), cpu_time());
+    let done = work();
+    let spent = match (start, cpu_time()) {
+        (Some(from), Some(now)) => now - from,
+        _ => wall.elapsed().as_secs_f64(),
+    };
+    (done, spent)
 }
 
 /// The present time in UTC, as RFC 3339 to the second.

@@ -1,7 +1,7 @@
 //! Measurements on whole scenes: times of the histories, errors, computing time of a run without observers.
 
 use super::ValidationError;
-use gearbench::experiment::machine::cpu_time;
+use gearbench::experiment::machine::timed;
 use gearbench::experiment::run::NO_BOUND;
 use gearbench::studies::choose::problem::Problem;
 use gearbench::studies::choose::trial::{Outcome, WindowModel};
@@ -10,13 +10,11 @@ use gearbench_integrators::system::SecondOrderSystem;
 use gearbench_integrators::{AcceptedStep, Control, Sink, TimePlan, Work};
 use gearbench_models::spec::Modelling;
 use gearbench_reports::Metric;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// Bound on the time of one integration of a reference.
 pub const PATIENCE: Duration = Duration::from_secs(600);
-/// Processor time above which the resolution of its clock is irrelevant [s].
-const TICKS: f64 = 0.05;
-/// Least time of a batch of repeats [s].
+/// Least processor time of a batch of repeats [s].
 const BATCH: f64 = 2e-3;
 
 /// Times at which histories are compared: a fixed number per contact time, within bounds.
@@ -72,8 +70,7 @@ pub fn error(run: &Outcome, metric: Metric, reference: &Outcome) -> Option<f64> 
     error.filter(|e| e.is_finite())
 }
 
-/// Time of one run through the scene [s]: the shortest of a batch of repeats, in processor time if that is long enough
-/// for its resolution. `None` if the run failed or took longer than `limit`.
+/// Processor time of one run through the scene [s]: the shortest of a batch of repeats. `None` if the run failed or took longer than `limit`.
 pub fn time(
     trial: &mut WindowModel<'_>,
     method: &Scheme,
@@ -82,27 +79,23 @@ pub fn time(
 ) -> Option<f64> {
     let mut integrator = method.method.build();
     let mut shortest = f64::INFINITY;
-    let begin = Instant::now();
+    let mut batch = 0.0;
     loop {
         let mut state = trial.scene.initial();
         let plan = TimePlan {
             time_limit: Some(limit),
             ..TimePlan::new(duration, method.resolution)
         };
-        let (one, start) = (Instant::now(), cpu_time());
         let mut work = Work::default();
         let mut guard = SpeedBound::default();
-        let ended = integrator.run(&mut trial.scene, &mut state, &plan, &mut guard, &mut work);
-        let wall = one.elapsed().as_secs_f64();
+        let (ended, spent) =
+            timed(|| integrator.run(&mut trial.scene, &mut state, &plan, &mut guard, &mut work));
         if ended.is_err() || guard.lost {
             return None;
         }
-        let on_processor = match (start, cpu_time()) {
-            (Some(a), Some(b)) if b - a >= TICKS => (b - a).min(wall),
-            _ => wall,
-        };
-        shortest = shortest.min(on_processor);
-        if begin.elapsed().as_secs_f64() >= BATCH {
+        shortest = shortest.min(spent);
+        batch += spent;
+        if batch >= BATCH {
             return Some(shortest);
         }
     }

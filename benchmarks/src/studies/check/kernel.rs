@@ -8,9 +8,8 @@
 //! right-hand sides with a branch (an oscillator with backlash under RK4), products of a dense matrix that lies in the cache,
 //! and memory read out of order.
 
-use crate::experiment::machine::cpu_time;
+use crate::experiment::machine::timed;
 use std::hint::black_box;
-use std::time::Instant;
 
 /// Steps of the oscillator, products and reads in one kernel: some milliseconds.
 const STEPS: usize = 4_000;
@@ -80,16 +79,6 @@ fn kernel(matrix: &[f64], memory: &[u32], x: &mut [f64; SIZE]) -> f64 {
     q.iter().chain(&v).sum::<f64>() + x[0] + sum as f64
 }
 
-/// Measures the processor time of some work [s]; wall time where the system does not provide it.
-fn spent(work: impl FnOnce()) -> f64 {
-    let (wall, start) = (Instant::now(), cpu_time());
-    work();
-    match (start, cpu_time()) {
-        (Some(start), Some(end)) => end - start,
-        _ => wall.elapsed().as_secs_f64(),
-    }
-}
-
 /// Measures the ratios of the time of an integration to that of the kernel.
 pub(super) fn ratios(mut integrate: impl FnMut()) -> Vec<f64> {
     // Rows sum to a little less than one: the product neither grows nor vanishes into denormal numbers here.
@@ -101,20 +90,21 @@ pub(super) fn ratios(mut integrate: impl FnMut()) -> Vec<f64> {
         .collect();
     let mut x = [1.0; SIZE];
     let mut time_kernel = || {
-        spent(|| {
+        timed(|| {
             black_box(kernel(&matrix, &memory, black_box(&mut x)));
             x = x.map(|x| x.clamp(0.5, 2.0));
         })
+        .1
     };
     // The first of each warms caches, and says how often it has to be repeated.
-    let (one_kernel, one) = (time_kernel(), spent(&mut integrate));
+    let (one_kernel, one) = (time_kernel(), timed(&mut integrate).1);
     let sample = one.max(LEAST);
     let repeats = (sample / one.max(1e-9)).ceil().clamp(1.0, 1e5) as usize;
     let kernels = (sample / one_kernel.max(1e-6)).round().clamp(1.0, 1e3) as usize;
     let mut time_kernels = || (0..kernels).map(|_| time_kernel()).sum::<f64>() / kernels as f64;
     let mut before = time_kernels();
     let ratio = |_| {
-        let work = spent(|| (0..repeats).for_each(|_| integrate()));
+        let (_, work) = timed(|| (0..repeats).for_each(|_| integrate()));
         let after = time_kernels();
         let mean = 0.5 * (std::mem::replace(&mut before, after) + after);
         work / repeats as f64 / mean

@@ -5,7 +5,7 @@ use super::problem::Problem;
 use super::requirement;
 use crate::experiment::budget::ProcessorClock;
 use crate::experiment::key::Key;
-use crate::experiment::machine::cpu_time;
+use crate::experiment::machine::timed;
 use crate::experiment::run::{Job, RunError, run_in};
 use crate::small_signals::assemble;
 use gearbench_integrators::Scheme;
@@ -189,14 +189,11 @@ impl<'a> WindowModel<'a> {
                 ),
                 ..TimePlan::new(end, method.resolution)
             };
-            let (one, start) = (Instant::now(), cpu_time());
             let mut work = Work::default();
             // How it ended is known from the observed run.
-            let _ = integrator.run(&mut self.scene, &mut state, &plan, &mut NullSink, &mut work);
-            let spent = match (start, cpu_time()) {
-                (Some(from), Some(now)) => now - from,
-                _ => one.elapsed().as_secs_f64(),
-            };
+            let (_, spent) = timed(|| {
+                integrator.run(&mut self.scene, &mut state, &plan, &mut NullSink, &mut work)
+            });
             shortest = shortest.min(spent);
             runs += 1;
         }
