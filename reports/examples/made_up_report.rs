@@ -12,7 +12,6 @@ fn main() -> Result<(), ReportError> {
         .map_or_else(|| PathBuf::from("out/made-up"), PathBuf::from);
     write_results(&dir.join("impact"), &made_up::impact_results())?;
     write_results(&dir.join("rotation"), &made_up::rotation_results())?;
-    write_results(&dir.join("modes"), &made_up::mode_results())?;
     write_results(&dir.join("penalty"), &made_up::penalty_results())?;
     write_results(&dir.join("sweep"), &made_up::sweep_results())?;
     write_results(&dir.join("coupling"), &made_up::coupling_results())?;

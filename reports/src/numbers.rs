@@ -227,6 +227,17 @@ fn minus(text: String) -> String {
     text.replace('-', "\u{2212}")
 }
 
+/// Computes a quantile of the finite values, in any order, by linear interpolation between neighbours.
+pub fn quantile(values: &[f64], part: f64) -> Option<f64> {
+    let mut sorted: Vec<f64> = values.iter().copied().filter(|x| x.is_finite()).collect();
+    sorted.sort_by(f64::total_cmp);
+    let last = sorted.len().checked_sub(1)?;
+    let place = part.clamp(0.0, 1.0) * last as f64;
+    let (low, rest) = (place.floor() as usize, place.fract());
+    let high = (low + 1).min(last);
+    Some(sorted[low] + rest * (sorted[high] - sorted[low]))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -312,5 +323,13 @@ mod tests {
         assert_eq!(counted(1200, "run", "runs"), "1\u{202f}200 runs");
         assert_eq!(times(2.78), "2.8 times ");
         assert_eq!(times(1.0), "");
+    }
+
+    #[test]
+    fn quantiles_of_small_samples() {
+        assert_eq!(quantile(&[], 0.5), None);
+        assert_eq!(quantile(&[3.0], 0.9), Some(3.0));
+        assert_eq!(quantile(&[4.0, 1.0, f64::NAN, 2.0], 0.5), Some(2.0));
+        assert_eq!(quantile(&[0.0, 10.0], 0.25), Some(2.5));
     }
 }

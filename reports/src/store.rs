@@ -147,7 +147,10 @@ fn parse(text: &str, path: &Path) -> Result<Results, ReportError> {
             former::SCHEMA
         )));
     }
-    if let Some(study) = version.study.filter(|name| name != former::PENALTY) {
+    if let Some(study) = version
+        .study
+        .filter(|name| !former::STUDIES.contains(&name.as_str()))
+    {
         study.parse::<Study>().map_err(refuse)?;
     }
     let upgraded = former::upgrade(text).map_err(|e| refuse(e.to_string()))?;

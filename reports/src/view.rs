@@ -90,9 +90,7 @@ impl<'a> View<'a> {
         let metric = match limited {
             Some(t) => t.metric,
             // Reduced and full models share mesh and start: nothing is to be shifted.
-            None if [Study::Truncation, Study::Tabular].contains(&results.study()) => {
-                Metric::ForceL2
-            }
+            None if results.study() == Study::Tabular => Metric::ForceL2,
             None => metric_against(
                 results,
                 against.as_deref().unwrap_or_default(),

@@ -1,12 +1,12 @@
 //! Validation of a set of scenes on several threads. Each validated scene is stored at once, so that an interrupted
 //! check continues where it ended.
 
+use crate::choices::ValidatedChoice;
 use crate::sampling::{Set, full_order, sample};
 use crate::validate::{ValidationError, against_full, validate};
 use gearbench::experiment::key::Key;
 use gearbench::experiment::parallel::{in_parallel, lock};
 use gearbench::experiment::runner::Runner;
-use gearbench_reports::choice_check::ValidatedChoice;
 use std::collections::BTreeMap;
 use std::sync::{Mutex, PoisonError};
 

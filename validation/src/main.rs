@@ -7,6 +7,7 @@
 //! | [`arguments`] | the command line |
 //! | [`sampling`] | random scenes: sets, seeds, distributions |
 //! | [`validate`] | one scene: its reference, all candidates, the choice |
+//! | [`choices`] | validated choices and their table |
 //! | [`campaign`] | a set of scenes, in parallel, with a journal |
 //! | [`reduction`] | elastic gears compared with full finite elements on the same scenes |
 //! | [`coverage`] | coverage of the intervals of identified constants on synthetic data |
@@ -17,6 +18,7 @@
 mod agreement;
 mod arguments;
 mod campaign;
+mod choices;
 mod coverage;
 mod figures;
 mod identification;
@@ -27,6 +29,7 @@ mod validate;
 
 use arguments::{Cli, Command};
 use campaign::{Plan, check};
+use choices::{Outcome, ValidatedChoice, share, shares};
 use clap::Parser;
 use gearbench::cli::arguments::Output;
 use gearbench::cli::command_result::CommandResult;
@@ -41,8 +44,6 @@ use gearbench::experiment::machine;
 use gearbench::experiment::runner::Runner;
 use gearbench::messages::Messages;
 use gearbench_reference::reduction::cache::Cache;
-use gearbench_reports::Study;
-use gearbench_reports::choice_check::{ChoiceCheckRecord, Outcome, ValidatedChoice, share};
 use gearbench_reports::record::{Part, Results};
 use sampling::SampleError;
 use std::fmt::Write as _;
@@ -316,12 +317,7 @@ fn validate(
         fresh: args.fresh,
         ..Output::default()
     };
-    let mut folder = StudyFolder::open(
-        &Context::default(),
-        &output,
-        name,
-        Study::ChoiceCheck.as_str(),
-    )?;
+    let mut folder = StudyFolder::open(&Context::default(), &output, name, choices::NAME)?;
     let runner = folder.runner(&silent);
     let plan = Plan {
         set: set.clone(),
@@ -334,19 +330,15 @@ fn validate(
         display.report_progress(done, total, &format!("{}: {}", row.scene, row.outcome));
     });
     drop(display);
-    let mut choices = choices.map_err(refuse)?;
-    let candidates = candidates_csv(&choices);
-    for row in &mut choices {
-        row.tried.clear();
-    }
-    let rejected: u32 = choices.iter().map(|c| c.rejected).sum();
+    let rows = choices.map_err(refuse)?;
+    let rejected: u32 = rows.iter().map(|c| c.rejected).sum();
     let results = Results {
         header: machine::header(
             name,
             &format!("Model choice on random scenes: {name}"),
             command,
         ),
-        part: Part::ChoiceCheck(ChoiceCheckRecord { choices }),
+        part: Part::Tabular(choices::table(&rows)),
         settings: vec![
             ("seed".into(), set.seed.to_string()),
             ("scenes".into(), in_words(&scenes)),
@@ -365,9 +357,14 @@ fn validate(
         ],
         ..Results::default()
     };
-    let answer = folder.finish(results, exit, summarise)?;
+    let all: Vec<&ValidatedChoice> = rows.iter().collect();
+    let answer = folder.finish(
+        results,
+        |_| exit(&all),
+        |messages, _| summarise(messages, &rows),
+    )?;
     let path = folder.path().join("candidates.csv");
-    std::fs::write(&path, candidates)
+    std::fs::write(&path, candidates_csv(&rows))
         .map_err(|e| Refusal::Files(format!("{}: {e}", path.display())))?;
     context
         .messages
@@ -385,9 +382,8 @@ fn in_words(ascending: &[usize]) -> String {
     spans.map(span).collect::<Vec<_>>().join(", ")
 }
 
-fn exit(results: &Results) -> Exit {
-    let all: Vec<&ValidatedChoice> = results.choices().iter().collect();
-    let s = share("all", &all);
+fn exit(all: &[&ValidatedChoice]) -> Exit {
+    let s = share("all", all);
     let met = s.met as f64 >= ASKED.0 * s.scenes as f64;
     let cheap = s.cost_ratio[1].is_none_or(|r| r <= ASKED.1);
     if met && cheap {
@@ -397,9 +393,8 @@ fn exit(results: &Results) -> Exit {
     }
 }
 
-fn summarise(messages: &Messages, results: &Results) {
-    let all: Vec<&ValidatedChoice> = results.choices().iter().collect();
-    for s in gearbench_reports::choice_check::shares(results.choices()) {
+fn summarise(messages: &Messages, all: &[ValidatedChoice]) {
+    for s in shares(all) {
         let number = |x: Option<f64>| x.map_or_else(|| "-".into(), |x| format!("{x:.2}"));
         messages.print_line(&format!(
             "{:24} {:3} scenes  met {:3} ({} rightly none)  cost ratio {} (90 % below {})  predicted/true error {}",

@@ -1,8 +1,9 @@
 //! Counts and ranges of stored results, as the documents quote them: `gearbench-validation summary FILE...` prints a line
 //! for each group of scenes.
 
-use gearbench_reports::choice_check::{ValidatedChoice, quantile, share};
+use crate::choices::{ValidatedChoice, choices_of, share};
 use gearbench_reports::load_results;
+use gearbench_reports::numbers::quantile;
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -33,7 +34,7 @@ pub fn lines(files: &[impl AsRef<Path>]) -> Result<Vec<String>, String> {
                 let value: Value = serde_json::from_str(&read).map_err(|e| fail(e.to_string()))?;
                 if value.get("study").is_some() {
                     let record = load_results(file).map_err(|e| fail(e.to_string()))?;
-                    choices.extend(record.choices().to_vec());
+                    choices.extend(choices_of(&record).map_err(|e| fail(e.to_string()))?);
                 } else {
                     add_numbers("", &value, &mut text);
                 }
@@ -340,7 +341,7 @@ mod tests {
     fn costs_and_predictions_of_choices() {
         let choice = |cost: f64, reference: &str| ValidatedChoice {
             tolerance: 0.1,
-            outcome: gearbench_reports::choice_check::Outcome::Adequate,
+            outcome: crate::choices::Outcome::Adequate,
             chosen: Some("rigid, static solves, dopri5".into()),
             error: Some(0.02),
             predicted_error: Some(0.03),

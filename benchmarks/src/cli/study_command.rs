@@ -23,7 +23,7 @@ use crate::studies::stability::{self, arguments::Stability};
 use crate::studies::stiffness::{self, arguments::Stiffness};
 use crate::studies::sweep::{self, arguments::Sweep};
 use crate::studies::tabular::{self, TabularStudy};
-use crate::studies::truncation::{self, arguments::Truncation};
+use crate::studies::truncation::Truncation;
 use clap::Subcommand;
 use gearbench_reports::columns::FileDescription;
 use std::path::PathBuf;
@@ -86,8 +86,6 @@ studies! {
     /// Map the stability of integrators over step size and stiffness, damping, speed or modes, and compare it with
     /// theory
     "stability" in "Compare and choose": Stability(Stability) runs stability::command::run, writes run.output;
-    /// Compute the error of the elastic model over the number of modes, against full finite elements on the same mesh
-    "truncation" in "Compare and choose": Truncation(Truncation) runs truncation::command::run, writes run.bounded.output;
     /// Compute static mesh stiffness, load sharing and transmission error of the models of a scene
     "stiffness" in "Analyse": Stiffness(Stiffness) runs stiffness::command::run, writes output;
     /// Compute natural frequencies and mode shapes of the whole scene about its loaded state
@@ -109,6 +107,7 @@ studies! {
     tables:
     "penalty" in "Compare and choose": Penalty;
     "cost" in "Compare and choose": Cost;
+    "truncation" in "Compare and choose": Truncation;
 }
 
 impl Default for StudyCommand {

@@ -4,7 +4,7 @@
 //! The study compares nothing with a reference, so that it also answers for scenes without one. Errors and cost together
 //! are the subject of `precision`.
 
-use super::tabular::{Cell, Measured, TabularStudy};
+use super::tabular::{Cell, Measured, Others, TabularStudy};
 use crate::cli::arguments::{BoundedOutput, TimedOutput};
 use crate::cli::terminal::{Refusal, integrators_of};
 use crate::cli::values::{DEFAULT_SCENE, positive};
@@ -95,6 +95,7 @@ impl TabularStudy for Cost {
             cells.extend(methods.iter().map(|method| Cell {
                 configuration: configuration.clone(),
                 method: *method,
+                variant: None,
                 at: self.simulate,
                 name: method.to_string(),
             }));
@@ -102,7 +103,12 @@ impl TabularStudy for Cost {
         Ok(cells)
     }
 
-    fn measure(&self, _: &Cell<f64>, job: &Job<'_>) -> Result<(Run, ()), StudyError> {
+    fn measure(
+        &self,
+        _: &Cell<f64>,
+        job: &Job<'_>,
+        _: &Others<'_, Self>,
+    ) -> Result<(Run, ()), StudyError> {
         let mut made = run(&Job {
             histories: false,
             ..*job

@@ -4,7 +4,7 @@
 //! A penalty is a numerical spring without physical counterpart. Results that depend on it are no results for the
 //! gears; with hard contact as the limit, the study shows above which penalty they no longer depend on it.
 
-use super::tabular::{Cell, Measured, TabularStudy};
+use super::tabular::{Cell, Measured, Others, TabularStudy};
 use crate::cli::arguments::BoundedOutput;
 use crate::cli::terminal::Refusal;
 use crate::cli::values::{DEFAULT_LOAD, DEFAULT_SCENE, number, positions, positive_load};
@@ -170,6 +170,7 @@ impl TabularStudy for Penalty {
             Cell {
                 method: own.copied().unwrap_or(usual),
                 name: penalty.map_or("hard contact".into(), |p| format!("{p:.1e} Pa/m")),
+                variant: None,
                 at: Contact {
                     penalty,
                     load,
@@ -195,6 +196,7 @@ impl TabularStudy for Penalty {
         &self,
         cell: &Cell<Contact>,
         job: &Job<'_>,
+        _: &Others<'_, Self>,
     ) -> Result<(Run, PenaltyRow), StudyError> {
         let mut made = run(job)?;
         made.contacts = None;
@@ -265,8 +267,8 @@ impl TabularStudy for Penalty {
                     .into(),
                 abscissa: "penalty_pa_per_m".into(),
                 ordinates: keys(["peak_force_n", "impulse_ns", "static_transmission_error_m"]),
-                magnitudes: false,
                 limit: "hard contact".into(),
+                ..TableChart::default()
             },
             TableChart {
                 file: "penalty_distance".into(),
@@ -282,7 +284,7 @@ impl TabularStudy for Penalty {
                     "static_transmission_error_off_rel",
                 ]),
                 magnitudes: true,
-                limit: String::new(),
+                ..TableChart::default()
             },
         ]
     }

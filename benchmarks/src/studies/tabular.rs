@@ -5,16 +5,17 @@
 //! [`run`] reads the scene, runs the cells with their journal, and writes the record, from which page, charts, CSV file,
 //! dictionary and the lines on the terminal follow (`gearbench_reports::tabular`).
 
-use crate::cli::arguments::BoundedOutput;
+use crate::cli::arguments::{AnyReference, BoundedOutput};
 use crate::cli::command_result::CommandResult;
 use crate::cli::exit::Exit;
 use crate::cli::study_folder::StudyFolder;
-use crate::cli::terminal::{Refusal, refuse_study};
+use crate::cli::terminal::{Refusal, references_of, refuse_study};
 use crate::context::Context;
 use crate::experiment::conditions::Conditions;
 use crate::experiment::configuration::Configuration;
 use crate::experiment::decimation::decimate_run;
 use crate::experiment::error::StudyError;
+use crate::experiment::reference_series::recorded;
 use crate::experiment::run::Job;
 use crate::experiment::runner::Runner;
 use crate::experiment::settings::settings;
@@ -27,6 +28,7 @@ use gearbench_reports::record::{Part, ReferenceSeries, Results, Run, Status};
 use gearbench_reports::tabular::{MESSAGE, MODEL, STATUS, TableChart, TableRow, TabularRecord};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
+use std::collections::VecDeque;
 use std::fmt::Debug;
 
 /// A cell of a study: a configuration under an integrator, at the values that the study varies.
@@ -36,6 +38,8 @@ pub struct Cell<P> {
     pub configuration: Configuration,
     /// Integrator.
     pub method: Scheme,
+    /// What distinguishes the cell from others of its model, where its values do; its own name in the table.
+    pub variant: Option<String>,
     /// Values that the study varies, with everything else that the result depends on.
     pub at: P,
     /// Name of the cell among those of its model, for the display of the progress.
@@ -52,6 +56,14 @@ pub struct Measured<S: TabularStudy> {
     pub row: S::Row,
 }
 
+/// What a cell may be compared with when it is measured.
+pub struct Others<'a, S: TabularStudy> {
+    /// Cells that were measured before.
+    pub rows: &'a [Measured<S>],
+    /// References of the scene, if the study compares with them ([`TabularStudy::compared`]).
+    pub references: &'a [ReferenceSeries],
+}
+
 /// A study whose results are one table.
 pub trait TabularStudy: Sized + 'static {
     /// Name of the command, of the folder and of the CSV file.
@@ -60,6 +72,8 @@ pub trait TabularStudy: Sized + 'static {
     const ROWS: &'static str;
     /// Remark below the table.
     const REMARK: &'static str = "";
+    /// The exit code of a record.
+    const EXIT: fn(&Results) -> Exit = Exit::of_every_run;
     /// Values that the study varies.
     type At: Clone + Debug;
     /// Quantities of a cell that are not quantities of its run.
@@ -74,6 +88,11 @@ pub trait TabularStudy: Sized + 'static {
     /// Number of timed repeats of each run.
     fn repeats(&self) -> u32 {
         1
+    }
+
+    /// How the references of the scene are taken, for a study that compares with them; contact events are located then.
+    fn compared(&self) -> Option<&AnyReference> {
+        None
     }
 
     /// Returns name and value of the settings of the study, which the report lists with those of the scene.
@@ -91,8 +110,17 @@ pub trait TabularStudy: Sized + 'static {
     ///
     /// # Errors
     /// [`StudyError`] where the model cannot run; a run that fails is a result.
-    fn measure(&self, cell: &Cell<Self::At>, job: &Job<'_>)
-    -> Result<(Run, Self::Row), StudyError>;
+    fn measure(
+        &self,
+        cell: &Cell<Self::At>,
+        job: &Job<'_>,
+        others: &Others<'_, Self>,
+    ) -> Result<(Run, Self::Row), StudyError>;
+
+    /// Returns a further cell that the results so far ask for, as a search does.
+    fn next(&self, _rows: &[Measured<Self>]) -> Option<Cell<Self::At>> {
+        None
+    }
 
     /// Compares the cells with each other, and returns the histories that charts show as their references.
     fn compare(&self, _rows: &mut [Measured<Self>]) -> Vec<ReferenceSeries> {
@@ -140,21 +168,28 @@ pub fn run<S: TabularStudy + Clone>(
 ) -> Result<CommandResult, Refusal> {
     let mut args = args.clone();
     let options = args.options().clone();
-    let scene = scene_file::load_for(context, args.scene(), args.selection())?;
+    let mut scene = scene_file::load_for(context, args.scene(), args.selection())?;
+    let references = match args.compared() {
+        Some(insist) => references_of(&mut scene, insist)?,
+        None => Vec::new(),
+    };
     let cells = args.cells(&scene)?;
     let conditions = Conditions {
         command: command.to_string(),
         repeats: args.repeats(),
         timeout: options.timeout(),
-        ..Conditions::of(&scene)
+        events: scene.study.events || args.compared().is_some(),
+        ..Conditions::of(&scene).compared_with(&scene.spec, &references)
     };
+    let references = references.iter().map(|r| recorded(r, &scene.spec));
+    let references: Vec<ReferenceSeries> = references.collect();
     let mut folder = StudyFolder::of(&options.output, &scene, S::NAME)?;
     let made = folder.run(cells.len(), |runner| {
-        study(&args, &conditions, &scene, cells, runner)
+        study(&args, &conditions, (&scene, references), cells, runner)
     });
     folder.finish(
         made.map_err(|e| folder.refuse(refuse_study(&scene, e)))?,
-        Exit::of_every_run,
+        S::EXIT,
         summarise,
     )
 }
@@ -162,40 +197,58 @@ pub fn run<S: TabularStudy + Clone>(
 fn study<S: TabularStudy>(
     args: &S,
     conditions: &Conditions,
-    scene: &SceneFile,
+    (scene, references): (&SceneFile, Vec<ReferenceSeries>),
     cells: Vec<Cell<S::At>>,
     runner: &Runner<'_>,
 ) -> Result<Results, StudyError> {
     let grid = conditions.grid();
-    let total = cells.len();
-    let mut rows: Vec<Measured<S>> = Vec::with_capacity(total);
-    for cell in cells {
+    let mut rows: Vec<Measured<S>> = Vec::with_capacity(cells.len());
+    let mut open = VecDeque::from(cells);
+    loop {
+        // Results that an interruption prevented ask for nothing.
+        let further = || {
+            let stopped = (rows.last()).is_some_and(|r| r.run.status == Status::Interrupted);
+            (!stopped).then(|| args.next(&rows)).flatten()
+        };
+        let Some(cell) = open.pop_front().or_else(further) else {
+            break;
+        };
         let what = format!("{}, {}", cell.configuration.label, cell.name);
-        runner.report_progress(rows.len(), total, &what);
+        runner.report_progress(rows.len(), rows.len() + open.len() + 1, &what);
         let of = (&cell.configuration.scene, &cell.configuration.modelling);
         let job = Job {
             histories: true,
             ..conditions.job(of, &cell.method, &grid)
         };
-        let key = job.key().and(&(S::NAME, &cell.at));
-        let (mut run, row) = runner.row_with(key, &cell.method, || args.measure(&cell, &job))?;
+        let mut key = job.key().and(&(S::NAME, &cell.at));
+        if !references.is_empty() {
+            key = key.and(&references);
+        }
+        let others = Others {
+            rows: &rows,
+            references: &references,
+        };
+        let make = || args.measure(&cell, &job, &others);
+        let (mut run, row) = runner.row_with(key, &cell.method, make)?;
         run.end_s = Some(job.t_end);
         cell.configuration.sign(&mut run);
+        run.variant = cell.variant.clone().or(run.variant);
         runner.reserve_memory(&run);
         rows.push(Measured { cell, run, row });
     }
-    let references = args.compare(&mut rows);
+    let mut compared = args.compare(&mut rows);
+    compared.extend(references);
     for row in &mut rows {
         decimate_run(&mut row.run, &[]);
     }
-    runner.report_progress(total, total, "report");
+    runner.report_progress(rows.len(), rows.len(), "report");
     let table = table(args, scene, &rows);
     let is_run = |m: &&ModelChoice| rows.iter().any(|r| r.cell.configuration.label == m.label);
     let chosen: Vec<&ModelChoice> = scene.models.iter().filter(is_run).collect();
     let mut settings = settings(scene, &chosen, false);
     settings.extend(args.settings(scene));
     Ok(Results {
-        references,
+        references: compared,
         settings,
         runs: rows.into_iter().map(|row| row.run).collect(),
         ..conditions.record(Part::Tabular(table))
@@ -226,6 +279,7 @@ fn table<S: TabularStudy>(args: &S, scene: &SceneFile, rows: &[Measured<S>]) -> 
             .collect(),
         remark: S::REMARK.into(),
         charts: args.charts(),
+        ..TabularRecord::default()
     }
 }
 

@@ -103,8 +103,6 @@ OF_RUNS = [
     ("on_grid", "dict[str, FloatArray] | None", "Histories that are known on the grid alone."),
 ]
 BY_HAND = {"TimeSeries", "Histories", "PairSample", "SprungTooth", "ContactEvent"}
-# Records of a campaign of the developers.
-NOT_OF_STUDIES = {"ValidatedChoice", "ValidatedCandidate", "ChoiceCheckRecord"}
 
 
 def class_of(name: str, base: str, schema: dict[str, Any]) -> str:
@@ -160,7 +158,7 @@ def records(schema: dict[str, Any]) -> str:
     defs = schema["$defs"]
     words, classes = [], []
     for name, of in defs.items():
-        if name in BY_HAND | NOT_OF_STUDIES:
+        if name in BY_HAND:
             continue
         if "properties" in of:
             classes.append(class_of(name, "RunBase" if name == "Run" else "RecordBase", of))
@@ -175,8 +173,6 @@ def records(schema: dict[str, Any]) -> str:
     results = []
     for part in schema["oneOf"]:
         study = part["properties"]["study"]["const"]
-        if study == "choice-check":
-            continue
         own = defs[part["$ref"].rpartition("/")[2]] if "$ref" in part else {}
         whole = {
             "description": f"The record of the study `{study}`.",

@@ -23,9 +23,10 @@
 //! 1e-3 of the force of the most loaded one (root mean squares); the alignment is that of each mesh, the shift that of the
 //! mesh with the largest aligned error. Peak, impulse, root mean square and duration are those of the first mesh of the scene;
 //! those of all meshes are in [`MeshForce`](crate::record::MeshForce). The rebound error is the largest over all gears whose
-//! speeds both sides have, `transmission_error_l2` the largest over all meshes likewise, with f_r the force of the mesh; the
-//! other metrics of the transmission error are those of the first mesh. A metric whose quantity the reference lacks is absent; without a force the
-//! transmission error is compared at all its times. T is the duration of the reference. Angles and torques are compared
+//! speeds both sides have. Errors of the transmission error are the largest over all meshes likewise, with f_r the force of the
+//! mesh, those of peak to peak and of orders over meshes whose reference has at least 1e-3 of the largest peak to peak; peak to
+//! peak and amplitudes themselves are those of the first mesh. A metric whose quantity the reference lacks is absent; without
+//! a force the transmission error is compared at all its times. T is the duration of the reference. Angles and torques are compared
 //! with external references only (`columns.rs`).
 //!
 //! **Integrals.** Forces of runs are polynomials between located events, with both sides of every jump
@@ -142,10 +143,10 @@ pub fn compare(run: FinishedRun<'_>, reference: &TimeSeries, against: &str) -> M
     let lasts = window.min(series.time_s[known - 1]) - series.time_s[0];
     let rms = |force: &Force<'_>| (force.square() / lasts).sqrt();
     metrics.rms_force_n = finite(rms(&run));
-    let span_of_error = |of: &TimeSeries| span_until(of, of.of(TRANSMISSION_ERROR, mesh)?, window);
-    metrics.transmission_error_pp_m = span_of_error(series);
-    let over_cycles = CycleHistory::of_run(series);
-    if let Some(own) = &over_cycles
+    let span_of_error =
+        |of: &TimeSeries, mesh: &str| span_until(of, of.of(TRANSMISSION_ERROR, mesh)?, window);
+    metrics.transmission_error_pp_m = span_of_error(series, mesh);
+    if let Some(own) = &CycleHistory::of_run(series, mesh)
         && let Some(whole) = CycleHistory::whole([own])
     {
         metrics.transmission_error_orders_m = own.amplitudes(whole, orders::KEPT);
@@ -154,16 +155,33 @@ pub fn compare(run: FinishedRun<'_>, reference: &TimeSeries, against: &str) -> M
     if reference.len() < 2 {
         return metrics;
     }
-    let spans = (metrics.transmission_error_pp_m, span_of_error(reference));
-    if let (Some(own), Some(wanted)) = spans {
-        metrics.transmission_error_pp_rel = finite(deviation(own, wanted));
-    }
-    if let Some(own) = &over_cycles
-        && let Some(wanted) = CycleHistory::of_reference(reference, series)
-        && let Some(errors) = orders::errors(own, &wanted)
-    {
-        metrics.transmission_error_orders_rel = finite(errors.amplitudes);
-        metrics.transmission_error_l2_aligned = finite(errors.aligned);
+    let both = |(mesh, _)| {
+        let (own, wanted) = (
+            span_of_error(series, mesh)?,
+            span_of_error(reference, mesh)?,
+        );
+        Some((mesh, own, wanted))
+    };
+    let spans: Vec<(&str, f64, f64)> = (reference.all_of(TRANSMISSION_ERROR))
+        .filter_map(both)
+        .collect();
+    let most = spans.iter().map(|s| s.2).fold(0.0, f64::max);
+    for (mesh, own, wanted) in spans.into_iter().filter(|s| s.2 >= BORNE * most) {
+        let worst = |metric: &mut Option<f64>, error: f64| {
+            *metric = larger(*metric, finite(error));
+        };
+        let deviates = deviation(own, wanted);
+        worst(&mut metrics.transmission_error_pp_rel, deviates);
+        if let Some(own) = CycleHistory::of_run(series, mesh)
+            && let Some(wanted) = CycleHistory::of_reference(reference, series, mesh)
+            && let Some(errors) = orders::errors(&own, &wanted)
+        {
+            worst(
+                &mut metrics.transmission_error_orders_rel,
+                errors.amplitudes,
+            );
+            worst(&mut metrics.transmission_error_l2_aligned, errors.aligned);
+        }
     }
     metrics.rebound_rel = rebound(series, reference, window);
     let errors = reference.all_of(TRANSMISSION_ERROR);
@@ -180,7 +198,8 @@ pub fn compare(run: FinishedRun<'_>, reference: &TimeSeries, against: &str) -> M
     metrics
 }
 
-/// Least force of a mesh, over that of the most loaded one, at which its errors count (root mean squares).
+/// Least force of a mesh, over that of the most loaded one, at which its errors count (root mean squares); likewise the
+/// peak to peak of its transmission error.
 const BORNE: f64 = 1e-3;
 
 /// Adds the errors of the contact forces (see the head of the module); `window` is the end of the comparison, `lasts` its

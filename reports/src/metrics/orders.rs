@@ -56,17 +56,15 @@ fn column<'s>(series: &'s TimeSeries, quantity: Quantity, mesh: &str) -> Option<
 }
 
 impl CycleHistory {
-    /// Returns the transmission error of the first mesh of a run over its own mesh cycles; `None` where it was not recorded,
-    /// or where the gears turn back by more than rounding errors.
-    pub fn of_run(series: &TimeSeries) -> Option<Self> {
-        let (mesh, _) = series.first_mesh()?;
+    /// Returns the transmission error of a mesh of a run over its own mesh cycles; `None` where it was not recorded, or
+    /// where the gears turn back by more than rounding errors.
+    pub fn of_run(series: &TimeSeries, mesh: &str) -> Option<Self> {
         Self::at(series, mesh, column(series, MESH_CYCLE, mesh)?)
     }
 
-    /// Returns the transmission error of that mesh of a reference over its own mesh cycles, or over those of a run at the
+    /// Returns the transmission error of a mesh of a reference over its own mesh cycles, or over those of a run at the
     /// same times.
-    pub fn of_reference(series: &TimeSeries, run: &TimeSeries) -> Option<Self> {
-        let (mesh, _) = run.first_mesh()?;
+    pub fn of_reference(series: &TimeSeries, run: &TimeSeries, mesh: &str) -> Option<Self> {
         let cycles = match column(series, MESH_CYCLE, mesh) {
             Some(own) => own.to_vec(),
             None => {
@@ -217,10 +215,12 @@ mod tests {
     use super::*;
     use crate::series::{CONTACT_FORCE, Column};
 
+    const MESH: &str = "a_b";
+
     fn series(speed: f64, error: impl Fn(f64) -> f64, cycles: bool) -> TimeSeries {
         let time: Vec<f64> = (0..=4000).map(|i| f64::from(i) * 1e-3).collect();
         let of = |quantity: Quantity, f: &dyn Fn(f64) -> f64| {
-            Column::new(quantity.of("a_b"), time.iter().map(|&t| f(t)).collect())
+            Column::new(quantity.of(MESH), time.iter().map(|&t| f(t)).collect())
         };
         let mut columns = vec![
             of(CONTACT_FORCE, &|_| 0.0),
@@ -242,18 +242,18 @@ mod tests {
     #[test]
     fn mean_and_shift_are_no_errors_and_orders_are() {
         let run = series(2.6, wave, true);
-        let own = CycleHistory::of_run(&run).unwrap();
+        let own = CycleHistory::of_run(&run, MESH).unwrap();
         let found = own.amplitudes(CycleHistory::whole([&own]).unwrap(), 3);
         for (a, b) in found.iter().zip([3e-6, 1e-6, 0.0]) {
             assert!((a - b).abs() < 1e-10, "{found:?}");
         }
         let shifted = series(2.6, |c| 7e-6 + wave(c + 0.37), false);
-        let shifted = CycleHistory::of_reference(&shifted, &run).unwrap();
+        let shifted = CycleHistory::of_reference(&shifted, &run, MESH).unwrap();
         let same = errors(&own, &shifted).unwrap();
         assert!(same.aligned < 1e-4 && same.amplitudes < 1e-4, "{same:?}");
         // Half of the second order is missing: 0.5e-6 over the norm of what is there.
         let flat = series(2.6, |c| wave(c) - 0.5e-6 * (2.0 * TAU * c).sin(), false);
-        let flat = CycleHistory::of_reference(&flat, &run).unwrap();
+        let flat = CycleHistory::of_reference(&flat, &run, MESH).unwrap();
         let differs = errors(&own, &flat).unwrap();
         let expected = 0.5 / (9.0_f64 + 0.25).sqrt();
         assert!((differs.amplitudes - expected).abs() < 1e-4, "{differs:?}");
@@ -264,9 +264,9 @@ mod tests {
     #[test]
     fn phases_between_orders_count_after_the_best_shift() {
         let run = series(2.6, wave, true);
-        let own = CycleHistory::of_run(&run).unwrap();
+        let own = CycleHistory::of_run(&run, MESH).unwrap();
         let turned = |c: f64| 3e-6 * (TAU * c).cos() + 1e-6 * (2.0 * TAU * c).cos();
-        let other = CycleHistory::of_reference(&series(2.6, turned, false), &run).unwrap();
+        let other = CycleHistory::of_reference(&series(2.6, turned, false), &run, MESH).unwrap();
         let found = errors(&own, &other).unwrap();
         assert!(found.amplitudes < 1e-4 && found.aligned > 0.1, "{found:?}");
     }
@@ -274,12 +274,12 @@ mod tests {
     /// Less than a cycle, and gears that turn back, have no orders.
     #[test]
     fn no_orders_without_a_whole_cycle() {
-        let short = CycleHistory::of_run(&series(0.2, wave, true)).unwrap();
+        let short = CycleHistory::of_run(&series(0.2, wave, true), MESH).unwrap();
         assert!(CycleHistory::whole([&short]).is_none());
         let mut back = series(2.0, wave, true);
         for c in &mut back.columns[2].values {
             *c = (3.0 * *c).sin();
         }
-        assert!(CycleHistory::of_run(&back).is_none());
+        assert!(CycleHistory::of_run(&back, MESH).is_none());
     }
 }

@@ -306,3 +306,33 @@ fn the_worst_mesh_counts() {
         1e-9,
     );
 }
+
+/// Errors of the transmission error are those of the worst mesh too, wherever it stands; a mesh whose transmission error
+/// is a thousandth of the largest does not count.
+#[test]
+fn the_worst_transmission_error_counts() {
+    let meshes = ["a_b", "b_c", "c_d"];
+    let scaled = |factors: [f64; 3]| {
+        let of = |name: &str| meshes.map(|mesh| format!("{name}_{mesh}"));
+        let names = [
+            of("contact_force").map(|n| format!("{n}_n")),
+            of("transmission_error").map(|n| format!("{n}_m")),
+            of("mesh_cycle"),
+        ];
+        let mut s = TimeSeries::named(names.concat());
+        for i in 0..=4000 {
+            let cycle = 1e-3 * f64::from(i);
+            let error = 1e-6 * (std::f64::consts::TAU * cycle).cos();
+            let mut row = vec![100.0; 3];
+            row.extend(factors.map(|factor| factor * error));
+            row.extend([cycle; 3]);
+            s.push(cycle, &row);
+        }
+        s
+    };
+    let m = metrics_of(&scaled([1.01, 0.38, 1e-3]), &scaled([1.0, 0.4, 1e-5]), "fe");
+    close(m.transmission_error_pp_rel, -0.05, 1e-6);
+    close(m.transmission_error_orders_rel, 0.05, 1e-6);
+    close(m.transmission_error_l2_aligned, 0.05, 1e-6);
+    close(m.transmission_error_pp_m, 2.02e-6, 1e-9);
+}

@@ -158,9 +158,6 @@ pub struct Run {
     /// Time that others publish for such a model \[s\]; see [`crate::studies::compare::CompareRecord`].
     #[serde(default, skip_serializing_if = "not_a_number")]
     pub published_s: Option<f64>,
-    /// Name of the run in charts, where it stands out among others of its variant.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub mark: Option<String>,
     /// The model's own converged solution that the metrics against `self` refer to; absent unless it is ten times finer
     /// than the run.
     #[serde(default, skip_serializing_if = "Option::is_none")]

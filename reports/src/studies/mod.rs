@@ -4,7 +4,6 @@
 //! A new study needs a module and its lines in [`Study`], [`Part`] and [`report`] below.
 
 pub mod check;
-pub mod choice_check;
 pub mod choose;
 pub mod compare;
 pub mod coupling;
@@ -20,7 +19,6 @@ pub mod stability;
 pub mod stiffness;
 pub mod sweep;
 pub mod tabular;
-pub mod truncation;
 
 use crate::columns::FileDescription;
 use crate::csv_table::CsvTable;
@@ -47,12 +45,8 @@ words! {
         Stability = "stability",
         /// The cheapest adequate model, integrator and step.
         Choose = "choose",
-        /// Choices validated on random scenes.
-        ChoiceCheck = "choice-check",
         /// Results, work and runtime against a stored baseline.
         Check = "check",
-        /// Error over the number of modes that a reduction keeps.
-        Truncation = "truncation",
         /// Running under load at speed after speed.
         Sweep = "sweep",
         /// Constants of models fitted to references.
@@ -87,12 +81,8 @@ pub enum Part {
     Stability(stability::StabilityRecord),
     /// Part of a record of [`Study::Choose`].
     Choose(Box<choose::ChooseRecord>),
-    /// Part of a record of [`Study::ChoiceCheck`].
-    ChoiceCheck(choice_check::ChoiceCheckRecord),
     /// Part of a record of [`Study::Check`].
     Check(check::CheckRecord),
-    /// Marker of [`Study::Truncation`], which has runs alone.
-    Truncation,
     /// Part of a record of [`Study::Sweep`].
     Sweep(sweep::SweepRecord),
     /// Part of a record of [`Study::Identify`].
@@ -127,9 +117,7 @@ impl Part {
             Part::Precision(_) => Study::Precision,
             Part::Stability(_) => Study::Stability,
             Part::Choose(_) => Study::Choose,
-            Part::ChoiceCheck(_) => Study::ChoiceCheck,
             Part::Check(_) => Study::Check,
-            Part::Truncation => Study::Truncation,
             Part::Sweep(_) => Study::Sweep,
             Part::Identify(_) => Study::Identify,
             Part::Modes(_) => Study::Modes,
@@ -166,12 +154,7 @@ impl Part {
                 each("fits", &part.fits, identify::FitRecord::validate)?;
                 each("histories", &part.histories, |h| h.series.validate())
             }
-            Part::Compare(_)
-            | Part::Precision(_)
-            | Part::ChoiceCheck(_)
-            | Part::Check(_)
-            | Part::Truncation
-            | Part::Coupling(_) => Ok(()),
+            Part::Compare(_) | Part::Precision(_) | Part::Check(_) | Part::Coupling(_) => Ok(()),
         }
     }
 
@@ -203,13 +186,11 @@ pub(crate) fn files() -> Vec<FileDescription> {
         compare::paths::shafts().described(),
         compare::paths::load_sharing().described(),
         precision::csv::columns().described(),
-        truncation::csv::columns().described(),
         stability::csv::cells().described(),
         stability::csv::limits().described(),
         stability::csv::times_of_runs().described(),
         choose::csv::candidates().described(),
         choose::csv::levels().described(),
-        choice_check::csv::columns().described(),
         check::files::columns().described(),
         identify::csv::parameters().described(),
         identify::csv::fitted().described(),
@@ -287,9 +268,7 @@ fn of_part(results: &Results) -> Result<StudyReport, DrawError> {
         Part::Precision(_) => precision::report(view),
         Part::Stability(part) => stability::report(part),
         Part::Choose(part) => choose::report(&part.choice),
-        Part::ChoiceCheck(part) => choice_check::report(&part.choices),
         Part::Check(part) => check::report(part),
-        Part::Truncation => truncation::report(view),
         Part::Sweep(part) => sweep::report(view, &part.statics),
         Part::Identify(part) => identify::report(part),
         Part::Modes(part) => modes::report(&part.vibrations),

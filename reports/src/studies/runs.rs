@@ -168,7 +168,7 @@ fn table(results: &Results) -> CsvTable {
 /// Returns `runs.csv` of a record whose study has written `tables`; `None` where nothing was run.
 pub fn of_study(results: &Results, tables: &[CsvTable]) -> Option<CsvTable> {
     match results.study() {
-        Study::Compare | Study::Precision | Study::Truncation | Study::Sweep | Study::RunUp
+        Study::Compare | Study::Precision | Study::Sweep | Study::RunUp
             if !results.runs.is_empty() =>
         {
             Some(table(results))

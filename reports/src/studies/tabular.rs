@@ -16,11 +16,13 @@ use crate::drawing::style::curve_style;
 use crate::markup::column::{Format, Rank};
 use crate::markup::table::{Table, common_prefix};
 use crate::markup::{glance, note, prose, runs};
+use crate::numbers::short;
 use crate::record::Status;
 use crate::record::checks::each;
 use crate::studies::compare::histories;
 use crate::view::{View, capital};
 use maud::{Markup, html};
+use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -47,6 +49,9 @@ pub struct TabularRecord {
     pub columns: Vec<TableColumn>,
     /// Rows of the table, failed ones included.
     pub rows: Vec<TableRow>,
+    /// Key of the column by which rows are grouped; empty for that of models.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub grouped_by: String,
     /// Remark below the table.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub remark: String,
@@ -94,8 +99,8 @@ impl TableRow {
         self.0.get(key).and_then(Value::number)
     }
 
-    fn model(&self) -> &str {
-        self.0.get(MODEL).and_then(Value::as_text).unwrap_or("")
+    fn text(&self, key: &str) -> &str {
+        self.0.get(key).and_then(Value::as_text).unwrap_or("")
     }
 
     /// True if the row is of a failed run.
@@ -123,6 +128,15 @@ pub struct TableChart {
     /// True if magnitudes are drawn, as for deviations.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub magnitudes: bool,
+    /// True if points are not joined, as those of independent rows.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub points: bool,
+    /// Levels of the ordinates that are drawn as limits, in the units of their columns.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub levels: Vec<f64>,
+    /// Key of a column whose texts name points; empty if none has a name.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub marks: String,
     /// Name of the rows without abscissa, which are horizontal lines; empty if there are none to be drawn.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub limit: String,
@@ -167,7 +181,10 @@ impl TabularRecord {
             unknown.map_or(Ok(()), |key| Err(format!("there is no column `{key}`")))
         })?;
         each("charts", &self.charts, |c| {
-            for key in c.ordinates.iter().chain([&c.abscissa]) {
+            let marks = Some(&c.marks).filter(|key| !key.is_empty());
+            let grouped = Some(&self.grouped_by).filter(|key| !key.is_empty());
+            let marks = marks.into_iter().chain(grouped);
+            for key in c.ordinates.iter().chain([&c.abscissa]).chain(marks) {
                 if self.column(key).is_none() {
                     return Err(format!("there is no column `{key}`"));
                 }
@@ -204,22 +221,40 @@ impl TabularRecord {
         all
     }
 
-    /// Models in the order of their first rows.
-    fn models(&self) -> Vec<&str> {
+    /// Returns the rows as values of a type whose fields are columns.
+    ///
+    /// # Errors
+    /// A row that is no value of the type.
+    pub fn rows_as<T: DeserializeOwned>(&self) -> Result<Vec<T>, serde_json::Error> {
+        let of = |row: &TableRow| serde_json::from_value(serde_json::to_value(row)?);
+        self.rows.iter().map(of).collect()
+    }
+
+    /// Name of the group of a row: its model, if nothing else is said.
+    fn group<'r>(&self, row: &'r TableRow) -> &'r str {
+        match self.grouped_by.as_str() {
+            "" => row.text(MODEL),
+            key => row.text(key),
+        }
+    }
+
+    /// Groups in the order of their first rows.
+    fn groups(&self) -> Vec<&str> {
         let mut all: Vec<&str> = Vec::new();
         for row in &self.rows {
-            if !all.contains(&row.model()) {
-                all.push(row.model());
+            let group = self.group(row);
+            if !all.contains(&group) {
+                all.push(group);
             }
         }
         all
     }
 
     fn table(&self) -> Table<'_, TableRow> {
-        let models = self.models();
+        let groups = self.groups();
         let style = |row: &TableRow| {
-            let place = models.iter().position(|m| *m == row.model());
-            (row.model().to_owned(), place.unwrap_or(0))
+            let place = groups.iter().position(|g| *g == self.group(row));
+            (self.group(row).to_owned(), place.unwrap_or(0))
         };
         Table::of(&self.rows)
             .grouped(style)
@@ -249,7 +284,7 @@ impl TabularRecord {
         let Some(x) = axis_over(self.rows.iter().filter_map(|r| abscissa.of_row(r)), 1.0) else {
             return Ok(None);
         };
-        let models = self.models();
+        let groups = self.groups();
         let mut panels: Vec<Panel> = Vec::new();
         let mut has_limits = false;
         for key in &spec.ordinates {
@@ -257,8 +292,8 @@ impl TabularRecord {
                 continue;
             };
             let mut curves = Vec::new();
-            for (style, model) in models.iter().enumerate() {
-                let own = || self.rows.iter().filter(|r| r.model() == *model);
+            for (style, group) in groups.iter().enumerate() {
+                let own = || self.rows.iter().filter(|r| self.group(r) == *group);
                 let (failed, held): (Vec<_>, Vec<_>) = own().partition(|r| r.failed());
                 let is_limit =
                     |r: &&&TableRow| abscissa.of_row(r).is_none() && !spec.limit.is_empty();
@@ -275,13 +310,26 @@ impl TabularRecord {
                 let mut points: Vec<(f64, f64)> = held.iter().filter_map(point).collect();
                 points.sort_by(|a, b| a.0.total_cmp(&b.0));
                 let failed = failed.into_iter().filter_map(|r| abscissa.of_row(r));
-                let curve = Curve::joined(curve_style(style), 1.6, 4.2, points);
+                let curve = match spec.points {
+                    true => Curve::points(curve_style(style), 4.2, true, points),
+                    false => Curve::joined(curve_style(style), 1.6, 4.2, points),
+                };
                 curves.push(curve.failed(failed.collect()));
             }
             if curves.iter().all(|c| c.points.is_empty()) {
                 continue;
             }
-            let mut panel = Panel::new(170.0, &x, &ordinate.name).curves(curves);
+            let level = |level: &f64| (ordinate.factor * level, ordinate.level_text(*level));
+            let marked = |r: &TableRow| {
+                let at = (abscissa.of_row(r)?, ordinate.of_row(r)?);
+                let name = r.0.get(&spec.marks)?.as_text()?.to_owned();
+                (!r.failed()).then_some((at, name))
+            };
+            let mut panel = Panel {
+                limits: spec.levels.iter().map(level).collect(),
+                marks: self.rows.iter().filter_map(marked).collect(),
+                ..Panel::new(170.0, &x, &ordinate.name).curves(curves)
+            };
             let (low, high) = panel.ordinates();
             // The limit of the curves counts, not zero; markers stay inside of the frame.
             panel.y = axis_over([low, high].into_iter(), MARGIN);
@@ -290,9 +338,14 @@ impl TabularRecord {
         let Some(last) = panels.last_mut() else {
             return Ok(None);
         };
-        last.x_name = Some(abscissa.name);
-        let mut legend: Vec<Entry> = (models.iter().enumerate())
-            .map(|(i, model)| Entry::marked(model, curve_style(i), true))
+        last.x_name = Some(abscissa.name.clone());
+        let drawn = |group: &str| {
+            let mut own = self.rows.iter().filter(|r| self.group(r) == group);
+            own.any(|r| abscissa.of_row(r).is_some() || !spec.limit.is_empty())
+        };
+        let mut legend: Vec<Entry> = (groups.iter().enumerate())
+            .filter(|(_, group)| drawn(group))
+            .map(|(i, group)| Entry::marked(group, curve_style(i), true))
             .collect();
         if has_limits {
             legend.push(Entry::line(&spec.limit, Stroke::new(Ink::DARK, 1.4)));
@@ -306,6 +359,7 @@ impl TabularRecord {
 struct Quantity<'a> {
     key: &'a str,
     name: String,
+    unit: String,
     factor: f64,
     magnitudes: bool,
 }
@@ -334,9 +388,15 @@ impl<'a> Quantity<'a> {
         Some(Self {
             key: &c.key,
             name: format!("{name}{brackets}"),
+            unit,
             factor,
             magnitudes,
         })
+    }
+
+    /// A level with its unit, as a chart names it.
+    fn level_text(&self, level: f64) -> String {
+        format!("{} {}", short(self.factor * level, 3), self.unit)
     }
 
     /// The value on the axis; magnitudes of zero have no place on a logarithmic one.

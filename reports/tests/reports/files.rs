@@ -413,7 +413,10 @@ fn records_of_schema_1_are_read() {
             .contains("\"schema\": 1")
     );
     let read = gearbench_reports::load_results(Path::new(stored)).unwrap();
-    assert!(read.choices().len() > 20);
+    let gearbench_reports::Part::Tabular(table) = &read.part else {
+        panic!("{}", read.study_name());
+    };
+    assert!(table.rows.len() > 20);
 
     let dir = tempfile::tempdir().unwrap();
     let run = |penalty: Option<f64>, peak: f64| {

@@ -329,14 +329,11 @@ fn scan_results() -> Results {
 fn records() -> Vec<Results> {
     let mut compare = made_up::impact_results();
     compare.runs.truncate(4);
-    let mut truncation = made_up::mode_results();
-    truncation.runs.truncate(24);
     let mut sweep = made_up::sweep_results();
     sweep.runs.retain(|r| r.wall_s > 0.0);
     vec![
         compare,
         trains::trains(),
-        truncation,
         sweep,
         made_up::penalty_results(),
         made_up::identify_results(),
@@ -344,7 +341,6 @@ fn records() -> Vec<Results> {
         precision::results(),
         pages::stability(),
         pages::choose(),
-        pages::choice_check(),
         modes::of_models(),
         trains::run_up(),
         response_results(),

@@ -2,7 +2,6 @@
 //! plain words, sizes.
 
 use crate::{finding, made_up, precision, without_scripts, written};
-use gearbench_reports::choice_check::{ChoiceCheckRecord, Outcome, ValidatedChoice};
 use gearbench_reports::record::SELF;
 use gearbench_reports::stability::{Cell, Columns, Limit, Map, MapAxis, StabilityRecord};
 use gearbench_reports::store::PAGE;
@@ -101,53 +100,17 @@ pub fn choose() -> Results {
     }
 }
 
-pub fn choice_check() -> Results {
-    let scene = |number: usize| ValidatedChoice {
-        scene: format!("held-out:{number}"),
-        kind: "one impact".into(),
-        metric: Metric::ForceL2Aligned,
-        reference: "densest elastic".into(),
-        tolerance: 0.05,
-        outcome: if number == 0 {
-            Outcome::Inadequate
-        } else {
-            Outcome::Adequate
-        },
-        chosen: Some(
-            "rigid, static solves under generalised-alpha(rho_inf=0.8) 13.7 \u{b5}s".into(),
-        ),
-        predicted_error: Some(0.02),
-        error: Some(0.01),
-        reference_error: Some(0.001),
-        mesh_error: Some(0.01),
-        given_error: Some(0.08),
-        full_error: (number < 3).then_some(0.03),
-        densest_error: (number < 3).then_some(0.02),
-        cost_s: Some(2.0),
-        cheapest_cost_s: Some(1.0),
-        ..ValidatedChoice::default()
-    };
-    Results {
-        part: Part::ChoiceCheck(ChoiceCheckRecord {
-            choices: (0..9).map(scene).collect(),
-        }),
-        ..Results::default()
-    }
-}
-
 /// Returns the page of every study.
 fn pages() -> Vec<(&'static str, String)> {
     let all = [
         ("compare", made_up::impact_results()),
         ("rotation", made_up::rotation_results()),
         ("precision", precision::results()),
-        ("truncation", made_up::mode_results()),
         ("penalty", made_up::penalty_results()),
         ("sweep", made_up::sweep_results()),
         ("coupling", made_up::coupling_results()),
         ("stability", stability()),
         ("choose", choose()),
-        ("choice check", choice_check()),
     ];
     let page = |r: &Results| written(r).remove(PAGE).unwrap();
     all.iter().map(|(name, r)| (*name, page(r))).collect()
@@ -232,11 +195,6 @@ fn the_columns_at_the_end_are_at_a_glance() {
             "precision",
             "Cheapest run of each model",
             &["Within 0.5", "Least error"],
-        ),
-        (
-            "choice check",
-            "Scenes</h2>",
-            &["Error", "Cost ratio", "Outcome"],
         ),
     ] {
         let page = pages().into_iter().find(|p| p.0 == study).unwrap().1;

@@ -118,5 +118,5 @@ pub fn side_by_side(
             break;
         }
     }
-    times.map(|t| gearbench_reports::choice_check::quantile(&t, 0.5))
+    times.map(|t| gearbench_reports::numbers::quantile(&t, 0.5))
 }

@@ -12,6 +12,7 @@ mod reference;
 #[cfg(test)]
 mod tests;
 
+use crate::choices::{Outcome, ValidatedCandidate, ValidatedChoice};
 use crate::sampling::{Sample, SampleError};
 pub use full_order::against_full;
 use gearbench::experiment::journal::JournalError;
@@ -27,7 +28,6 @@ use gearbench::studies::choose::trial::{Outcome as Seen, WindowModel};
 use gearbench_integrators::Resolution;
 use gearbench_models::spec::Body;
 use gearbench_reports::Verdict;
-use gearbench_reports::choice_check::{Outcome, ValidatedCandidate, ValidatedChoice};
 use gearbench_reports::record::Status;
 use measure::{error, side_by_side, time};
 pub use measure::{grid, outcome};

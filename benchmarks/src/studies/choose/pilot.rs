@@ -15,7 +15,7 @@ use gearbench_integrators::Scheme;
 use gearbench_integrators::table::TRIGONOMETRIC;
 use gearbench_models::spec::{effective_radius, mesh_layout};
 use gearbench_models::stiffness::{PairOrMesh, PairStiffness};
-use gearbench_reports::choice_check::quantile;
+use gearbench_reports::numbers::quantile;
 use gearbench_reports::numbers::{round_quantity, short};
 use gearbench_reports::{ForceStatistics, Metric};
 

@@ -26,7 +26,7 @@ use super::trial::{Outcome, WindowModel, cannot_run};
 use crate::experiment::budget::NOT_TRIED;
 use gearbench_integrators::modal::resonance::SAFE;
 use gearbench_reports::Metric;
-use gearbench_reports::choice_check::quantile;
+use gearbench_reports::numbers::quantile;
 
 /// Steps per contact time of the refinement, for tolerances up to a limit, so that its integration error is negligible.
 const STEPS: [(f64, f64); 3] = [(0.015, 512.0), (0.04, 256.0), (f64::INFINITY, 128.0)];

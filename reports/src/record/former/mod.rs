@@ -2,21 +2,19 @@
 //!
 //! | difference | converted by |
 //! |---|---|
-//! | schema 1 has the quantities of a study of penalties in its runs, now they are rows of its table | `penalty` |
+//! | former studies of penalties and of numbers of modes have their quantities in their runs, now they are rows of their table | `tables` |
 //! | schema 1, and schema 2 before its release, have columns of the first mesh and of the first two gears without their names | `columns` |
 
 mod columns;
-mod penalty;
+mod tables;
 
 use super::{Results, ordered_map};
 use serde::Deserialize;
 use serde_json::Value;
+pub use tables::STUDIES;
 
 /// The number of the oldest schema that is read.
 pub const SCHEMA: u32 = 1;
-
-/// Name of the study of penalties in schema 1.
-pub const PENALTY: &str = "penalty";
 
 /// Returns the record of a former version as this version has it; `None` if the text is a record of this version.
 ///
@@ -25,13 +23,13 @@ pub const PENALTY: &str = "penalty";
 pub fn upgrade(text: &str) -> serde_json::Result<Option<Results>> {
     // Records of this version are not parsed a second time.
     let may_be = |study: &str| text.contains(&format!("\"{study}\""));
-    if !may_be(PENALTY) && !columns::may_be_former(text) {
+    if !STUDIES.into_iter().any(may_be) && !columns::may_be_former(text) {
         return Ok(None);
     }
     let mut record: Value = serde_json::from_str(text)?;
     let gears = columns::upgrade(&mut record);
-    let penalty = penalty::upgrade(&mut record)?;
-    if gears.is_none() && !penalty {
+    let is_table = tables::upgrade(&mut record)?;
+    if gears.is_none() && !is_table {
         return Ok(None);
     }
     let mut results: Results = serde_json::from_value(record)?;

@@ -22,17 +22,18 @@ pub(super) fn error(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
         return Ok(None);
     };
     let runs = h.curves.iter().filter(|c| c.style.is_some());
-    let clock = runs
-        .map(|c| c.series)
-        .find(|s| CycleHistory::of_run(s).is_some());
-    let Some(clock) = clock else {
+    let clock = runs.map(|c| c.series).find_map(|s| {
+        let (mesh, _) = s.first_mesh()?;
+        CycleHistory::of_run(s, mesh).map(|_| (s, mesh))
+    });
+    let Some((clock, mesh)) = clock else {
         return Ok(None);
     };
     let over = |c: &History<'_>| match c.style {
-        Some(_) => CycleHistory::of_run(c.series),
+        Some(_) => CycleHistory::of_run(c.series, mesh),
         None => c
             .all_series()
-            .find_map(|s| CycleHistory::of_reference(s, clock)),
+            .find_map(|s| CycleHistory::of_reference(s, clock, mesh)),
     };
     let found: Vec<(&History<'_>, CycleHistory)> = h
         .curves

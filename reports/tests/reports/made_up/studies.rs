@@ -1,6 +1,6 @@
-//! Made-up records of the studies of mode counts, speeds and penalties.
+//! Made-up records of the studies of speeds and penalties.
 
-use super::{fail, impact, impact_results, metrics_of, reference, run, study};
+use super::{impact, metrics_of, reference, run, study};
 use gearbench_reports::columns::Columns;
 use gearbench_reports::coupling::{Coupling, CouplingCell, CouplingRecord, Extrapolation};
 use gearbench_reports::identify::{
@@ -10,87 +10,6 @@ use gearbench_reports::sweep::{Bearing, ShaftOrders, StaticCycle, Steady, SweepR
 use gearbench_reports::tabular::{TableChart, TabularRecord};
 use gearbench_reports::{Format, Ledger, Part, Results, Run, Status};
 use std::f64::consts::PI;
-
-/// Makes a study of mode counts: four methods of reduction, one failed run, one marked run.
-pub fn mode_results() -> Results {
-    let calculix = impact_results().references.remove(0);
-    let fe = impact(1.9e-5, 3610.0, 0.05, 5e-7);
-    let mut runs = vec![Run {
-        implicit: true,
-        wall_s: 1.9,
-        setup_s: 0.6,
-        dofs: 14918,
-        metrics: vec![metrics_of(
-            &fe,
-            &Ledger::default(),
-            &calculix.series,
-            "calculix",
-        )],
-        series: Some(fe.clone()),
-        ..run("fe", "hht-alpha", 5e-7, 1.34e-4)
-    }];
-    for (choose, residual, variant) in [
-        ("flank-compliance", true, "by flank compliance"),
-        ("frequency", true, "by frequency"),
-        ("flank-compliance", false, "truncated, by flank compliance"),
-        ("frequency", false, "truncated, by frequency"),
-    ] {
-        for modes in [0, 10, 25, 35, 42, 50, 75, 100, 150, 200, 300] {
-            if (modes == 42) == residual && modes == 42 {
-                continue;
-            }
-            let n = modes as f64;
-            let bump = if modes == 25 { 2.2 } else { 1.0 };
-            let error = match (choose, residual) {
-                (_, true) if modes == 0 => 0.052,
-                ("frequency", true) => bump * 0.05 / (1.0 + (n / 25.0).powf(1.9)) + 0.002,
-                (_, true) => 0.068 / (1.0 + (n / 14.0).powf(2.1)) + 0.002,
-                ("frequency", false) => 0.75 / (1.0 + n / 45.0) + 0.05,
-                _ => 0.75 / (1.0 + n / 25.0) + 0.03,
-            };
-            let series = impact(1.9e-5, 3610.0 * (1.0 + 0.6 * error), 0.05 + error, 1e-6);
-            let ledger = Ledger::default();
-            let mut metrics = vec![
-                metrics_of(&series, &ledger, &fe, "fe"),
-                metrics_of(&series, &ledger, &calculix.series, "calculix"),
-            ];
-            metrics[0].force_l2 = Some(error);
-            metrics[0].impulse_rel = Some(-0.05 * error);
-            metrics[1].force_l2 = Some((error * error + 0.017_f64.powi(2)).sqrt());
-            let step = if residual { 1e-6 } else { 2e-8 };
-            let high = if choose == "frequency" {
-                3.2e3 * n.powf(0.87)
-            } else {
-                60e3 + 1.5e3 * n
-            };
-            let whole = run("elastic", "trigonometric", step, 1.34e-4);
-            let mut run = Run {
-                variant: Some(variant.into()),
-                wall_s: 2.4e-6 * (1.0 + 0.002 * n) * whole.steps as f64,
-                repeats: 3,
-                setup_s: 0.4,
-                force_evaluations: whole.steps + 1,
-                dofs: 2 + 2 * modes,
-                modes: Some(modes),
-                residual: Some(residual),
-                choose: Some(choose.into()),
-                highest_hz: (modes > 0).then_some(high),
-                mark: (choose == "frequency" && !residual && modes == 42)
-                    .then(|| "published method, to 80 kHz".into()),
-                metrics,
-                series: Some(series),
-                ..whole
-            };
-            if choose != "frequency" && !residual && modes == 300 {
-                fail(&mut run, &fe, Status::BlowUp, "not finite at t = 12 us");
-            }
-            runs.push(run);
-        }
-    }
-    let fe = reference("fe", "full finite elements, same mesh", &fe);
-    let command = "gearbench truncation spur_impact";
-    study(command, Part::Truncation, vec![fe, calculix], runs)
-}
 
 /// Makes a sweep of two models over their mesh resonance, with one failed run.
 pub fn sweep_results() -> Results {
@@ -221,6 +140,7 @@ pub fn penalty_results() -> Results {
         ordinates: vec![ordinate.into()],
         magnitudes,
         limit: limit.into(),
+        ..TableChart::default()
     };
     let table = TabularRecord {
         name: "penalty".into(),
@@ -233,6 +153,7 @@ pub fn penalty_results() -> Results {
             chart("penalty", "peak_force_n", false, "hard contact"),
             chart("penalty_distance", "peak_force_off_rel", true, ""),
         ],
+        ..TabularRecord::default()
     };
     let runs = rows.into_iter().map(|(_, run, _)| run).collect();
     study(
