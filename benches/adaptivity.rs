@@ -1,8 +1,7 @@
 //! Savings and errors of adaptivity inside a run: `cargo bench --bench adaptivity [-- --store FILE]`.
 //!
 //! `hammer` of rigid gears, movable teeth and elastic gears, each method with flights stepped through and crossed in
-//! one step of the closed form (`free_flight`), then with teeth and modes put to rest in flight (`vibration_cut_off`):
-//! steps, force evaluations, wall time by turns (the least of the repeats, as the machine may be shared), and how far
+//! one step of the closed form (`free_flight`): steps, force evaluations, wall time by turns (the least of the repeats, as the machine may be shared), and how far
 //! the impulse of the contact force and the last speeds are from those without the switch.
 
 mod support;
@@ -128,11 +127,8 @@ fn main() {
     let file = file("hammer");
     let mut criterion = ratios(1.0);
     let mut rows = Vec::new();
-    let candidate = |label: &str, method: &str, cut_off: f64| Candidate {
-        scene: match cut_off {
-            0.0 => built(&file, label, &[]),
-            _ => built(&file, label, &[("vibration_cut_off", cut_off)]),
-        },
+    let candidate = |label: &str, method: &str| Candidate {
+        scene: built(&file, label, &[]),
         method: method.to_owned(),
     };
     let (step, rtol) = (Resolution::Step, Resolution::Tolerance);
@@ -154,28 +150,10 @@ fn main() {
         let part = if label == "elastic" { 0.08 } else { 1.0 };
         let plan = TimePlan::new(part * file.duration, resolution);
         let pair = [
-            candidate(label, method, 0.0),
-            candidate(label, &format!("{method}(free_flight=1)"), 0.0),
+            candidate(label, method),
+            candidate(label, &format!("{method}(free_flight=1)")),
         ];
         let what = format!("free_flight, {label}, {method}, {resolution:?}");
-        rows.push(compare(&mut criterion, &what, &plan, pair));
-    }
-    for (label, method, resolution, vibration_cut_off) in [
-        (
-            "movable-teeth",
-            "velocity-verlet(free_flight=1)",
-            step(1e-6),
-            1e-6,
-        ),
-        ("movable-teeth", "dopri5(free_flight=1)", rtol(1e-6), 1e-6),
-        ("elastic", "trigonometric", step(1e-6), 1e-4),
-    ] {
-        let plan = TimePlan::new(file.duration, resolution);
-        let pair = [
-            candidate(label, method, 0.0),
-            candidate(label, method, vibration_cut_off),
-        ];
-        let what = format!("vibration_cut_off {vibration_cut_off:.0e}, {label}, {method}");
         rows.push(compare(&mut criterion, &what, &plan, pair));
     }
     println!(

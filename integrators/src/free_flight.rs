@@ -1,4 +1,4 @@
-//! Closed-form motion of a system under steady loads, without contact or with linear contacts.
+//! Closed-form motion of a system under steady loads, without contact.
 //!
 //! Coordinates are sums of independent *oscillators* under constant loads:
 //!
@@ -10,10 +10,6 @@
 //! system that knows its motion so fills a [`FlightPath`] ([`SecondOrderSystem::flight_path`]), and the loop of any
 //! method goes along it in one step ([`Integrator::free_flight`](crate::Integrator::free_flight)). It is exact up to
 //! rounding, at both ends and inside.
-//!
-//! **Linear contact.** A system whose contacts are springs and dampers of constant stiffness moves so while they are closed,
-//! too, from event to event ([`FreeFlight::linear_path`](crate::FreeFlight::linear_path)): such a path may press, and ends
-//! where event functions reach zero. Methods that are exact for oscillators go along it.
 
 use crate::method::Dense;
 use crate::modal::propagator::coefficients;
@@ -58,40 +54,14 @@ pub struct FlightPath {
     oscillators: Vec<Oscillator>,
     /// Coordinate index and weight of each contribution of an oscillator.
     terms: Vec<(u32, f64)>,
-    /// Longest step [s] that resolves the vibration for observers; `Some` for a path with closed contacts.
-    presses: Option<f64>,
-    /// Indices of the event functions that reach zero at the end of the path.
-    switches: Vec<usize>,
 }
 
 impl FlightPath {
-    /// Marks the path as one with closed contacts, which observers resolve in steps of at most `longest` [s].
-    pub fn press(&mut self, longest: f64) {
-        self.presses = Some(longest);
-    }
-
-    /// Adds an event function that reaches zero at the end of the path.
-    pub fn switch_at_end(&mut self, event: usize) {
-        self.switches.push(event);
-    }
-
-    /// Returns the longest step [s] that observers need on a path with closed contacts, or `None` for a free flight.
-    pub(crate) fn pressed(&self) -> Option<f64> {
-        self.presses
-    }
-
-    /// Returns the indices of the event functions that reach zero at the end of the path.
-    pub(crate) fn switches(&self) -> &[usize] {
-        &self.switches
-    }
-
     /// Clears the path and sets its start time [s].
     pub fn begin(&mut self, t: f64) {
         self.start = t;
         self.oscillators.clear();
         self.terms.clear();
-        self.presses = None;
-        self.switches.clear();
     }
 
     /// Adds an oscillator `x'' + 2 zeta omega x' + omega^2 x = load` with the initial values `start = [x, x']`; `zeta`
@@ -174,17 +144,6 @@ impl QueryInterval {
             self.end();
         }
     }
-}
-
-/// State of the queries for closed-form motion between events, with contacts open or closed.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct SegmentProbe {
-    /// True for methods that are exact for oscillators, if events are located.
-    pub(crate) on: bool,
-    pub(crate) path: FlightPath,
-    pub(crate) query_interval: QueryInterval,
-    /// True if a path ended here and the method has not restarted yet.
-    pub(crate) left: bool,
 }
 
 /// State of the queries for free flights.

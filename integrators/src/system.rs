@@ -350,14 +350,6 @@ pub trait FreeFlight {
     /// that time exceeds `later`; returns `s.t` where a contact is closed or no bound is known.
     fn flight_path(&mut self, s: &State, later: f64, path: &mut FlightPath) -> f64;
 
-    /// Computes the motion from `s` on where all contacts, open or closed, are springs and dampers of constant
-    /// stiffness. Returns the time of the next event, or the time until which loads are steady, with the motion and
-    /// the event functions that switch at its end in `path`; `s.t` where there is no closed form. Used only with event
-    /// location.
-    fn linear_path(&mut self, s: &State, _path: &mut FlightPath) -> f64 {
-        s.t
-    }
-
     /// Returns the work [J] of steady loads and prescribed motions between two states of one flight where a closed
     /// form exists; `from` and `to` have the discrete state of the flight.
     fn steady_work(&mut self, _from: StateView<'_>, _to: StateView<'_>) -> Option<f64> {

@@ -38,9 +38,6 @@ declare_parameters! {
         damping_ratio: f64,
         /// length of the local kernel
         spread_m: f64,
-        /// share of an impact's energy
-        #[serde(deserialize_with = "number")]
-        vibration_cut_off: f64,
         flatten nodes: NodeParameters,
     }
 }
@@ -61,7 +58,6 @@ fn build_toy(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError
         context.placement,
         Arc::new(data),
     )
-    .and_then(|model| model.with_vibration_cut_off(given.vibration_cut_off.unwrap_or(0.0)))
     .map_err(|e| BuildError::gear(context.name, GearPart::Model, e))?;
     Ok(Box::new(model))
 }

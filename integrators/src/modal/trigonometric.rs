@@ -36,9 +36,6 @@
 //! however long, without an evaluation. The step or tolerance of a plan applies to the rest: contact and its
 //! neighbourhood. Fixed steps stay on their grid. Inside such a step the dense output is exact.
 //!
-//! **Linear contact.** Where the system knows its motion with contacts closed
-//! ([`FreeFlight::linear_path`](crate::FreeFlight::linear_path)) the loop goes along that, and the method makes no step.
-//!
 //! **Under a tolerance** the step is a power of two times a second, so that tables of cosines serve again, and at most
 //! `0.64 pi / omega` of the fastest oscillator. The estimate is the difference of the two kicks,
 //! `h/2 |r1 - r0|`: of second order like the error where a contact opens or closes within the step, and larger than

@@ -22,25 +22,22 @@
 //! grow with the length of the flight. The errors of the method in flight, such as its drift of energy and phase, are
 //! then absent, so that this is off by default: a comparison of methods shows the methods themselves. Steps in contact
 //! are those of the method; errors that cancel over flight and contact together, as those of first order of
-//! semi-implicit Euler nearly do, no longer cancel. A method that is exact for oscillators crosses linear contacts as
-//! well, from event to event ([`FreeFlight::linear_path`](crate::FreeFlight::linear_path)).
+//! semi-implicit Euler nearly do, no longer cancel.
 
 mod advance;
 mod locate;
 mod resume;
-mod segments;
 
 use crate::bounds::Bounds;
 use crate::error::StepError;
 use crate::events::Watch;
-use crate::free_flight::{FlightProbe, SegmentProbe};
+use crate::free_flight::FlightProbe;
 pub use crate::interpolation::{hermite, hermite_with_acceleration};
 use crate::method::{
     Dense, Integrator, MethodInfo, OneStep, Resolution, Sink, Stepping, TimePlan, Tolerance, Work,
 };
 use crate::system::{Change, SecondOrderSystem, State};
 use advance::StepOutcome;
-use segments::SegmentOutcome;
 
 /// Number of events at one instant above which the run ends with [`StepError::Chatter`].
 pub(crate) const MAX_EVENTS_AT_ONCE: u32 = 200;
@@ -52,7 +49,6 @@ const ERROR_AT_START: f64 = 1e-4;
 pub struct Stepped<M> {
     method: M,
     flight: FlightProbe,
-    segments: SegmentProbe,
     left: Option<PausedRun>,
 }
 
@@ -73,7 +69,6 @@ impl<M> Stepped<M> {
         Stepped {
             method,
             flight: FlightProbe::default(),
-            segments: SegmentProbe::default(),
             left: None,
         }
     }
@@ -300,13 +295,10 @@ impl<M: OneStep> Stepped<M> {
             self.method.begin(sys, plan.resolution)?;
             self.method.balance(sys, s, plan.resolution, work);
             self.flight.query_interval.end();
-            self.segments.query_interval.end();
-            self.segments.left = false;
             self.method.restart(sys, s, work);
         }
         let mut watch = Watch::new(layout.event_functions);
         let events = plan.events && layout.event_functions > 0;
-        self.segments.on = events && info.linear_part;
         if events {
             sys.event_functions(s.at(), &mut watch.before);
         }
@@ -350,11 +342,6 @@ impl<M: OneStep> Stepped<M> {
         }
         while s.t < plan.t_end {
             bounds.check(plan, s.t, work, &*sink)?;
-            match self.segment(sys, s, &mut r, &mut bounds, sink, work)? {
-                SegmentOutcome::Unknown => self.leave_segment(sys, s, &mut r, work),
-                SegmentOutcome::Stopped => return Ok(()),
-                SegmentOutcome::Completed => continue,
-            }
             let aim = self.aim(sys, s, &mut r);
             match self.advance(sys, s, &aim, &mut r, sink, work)? {
                 StepOutcome::Rejected => {}

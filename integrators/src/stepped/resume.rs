@@ -17,7 +17,6 @@ impl<M: OneStep> Stepped<M> {
     ) {
         self.method.restart(sys, s, work);
         self.flight.query_interval.end();
-        self.segments.query_interval.end();
         if !r.fixed {
             let first = first_step(sys, s, r.plan, r.tolerance.rtol, r.exponent);
             r.h_next = r.h_next.min(first);

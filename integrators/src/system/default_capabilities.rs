@@ -42,12 +42,6 @@ impl dyn SecondOrderSystem + '_ {
         (self.free_flight()).map_or(s.t, |f| f.flight_path(s, later, path))
     }
 
-    /// Calls [`FreeFlight::linear_path`](super::FreeFlight::linear_path), or returns `s.t` for a system without free
-    /// flights.
-    pub fn linear_path(&mut self, s: &State, path: &mut FlightPath) -> f64 {
-        (self.free_flight()).map_or(s.t, |f| f.linear_path(s, path))
-    }
-
     /// Calls [`FreeFlight::steady_work`](super::FreeFlight::steady_work), or returns `None` for a system without free
     /// flights.
     pub fn steady_work(&mut self, from: StateView<'_>, to: StateView<'_>) -> Option<f64> {

@@ -137,19 +137,6 @@ pub trait LinearMotion {
     /// [`Self::free_flight`].
     fn add_to_path(&self, at: StateView<'_>, load: f64, first: usize, path: &mut FlightPath);
 
-    /// Removes the vibration about the deflection of a steady `load`; the momentum is conserved. The slices are those
-    /// of the gear. Returns false when the vibration was zero up to rounding.
-    fn cut_off_vibrations(
-        &self,
-        _t: f64,
-        _load: f64,
-        _q: &mut [f64],
-        _v: &mut [f64],
-        _discrete: &mut [f64],
-    ) -> bool {
-        false
-    }
-
     /// Returns the work of a steady `load` on a free hub, or of a prescribed motion on the modal coordinates, between
     /// two states of a flight [J].
     fn steady_work(&self, from: StateView<'_>, to: StateView<'_>, load: f64) -> f64;

@@ -14,6 +14,4 @@ pub struct FreeFlight {
     pub outward: f64,
     /// Largest difference between the displacement of a tooth and that of the frame [rad or m].
     pub displacement: f64,
-    /// Energy of its oscillators about their static deflection [J].
-    pub energy: f64,
 }

@@ -47,8 +47,6 @@ pub struct HubBody {
     pub masses: Vec<f64>,
     /// Rotation (displacement) of the hub per unit of each own coordinate; empty where they do not move it.
     pub hub_shapes: Vec<f64>,
-    /// Ratio to the energy of the next impact below which vibrations are removed in free flight; 0 disables this.
-    pub vibration_cut_off: f64,
     /// True if no power is lost or supplied in the own coordinates, except by a driven hub.
     pub conservative: bool,
     /// Retardation time of the body [s]: the factor of its stiffness in damping proportional to it. Flanks in contact have
@@ -92,7 +90,6 @@ impl HubBody {
             scales,
             masses,
             hub_shapes: Vec::new(),
-            vibration_cut_off: 0.0,
             conservative: false,
             retardation: 0.0,
         }

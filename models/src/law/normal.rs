@@ -278,11 +278,6 @@ impl Law {
         }
     }
 
-    /// Returns the coefficient of the constant damper (N s/m).
-    pub fn damper(&self) -> f64 {
-        self.c
-    }
-
     /// Returns true if a cycle of closing and opening dissipates energy.
     pub fn is_dissipative(&self) -> bool {
         self.chi > 0.0 || self.c > 0.0 || self.user_law().is_some_and(|own| !own.is_elastic())

@@ -1,7 +1,6 @@
 //! The assembled system: gears, meshes, sizes and buffers. Its functions are in the other modules of the scene.
 
 use super::carriers::Carriers;
-use super::linear_path::OneSpring;
 use super::members::{SceneGear, SceneMesh};
 use super::shafts::Shafts;
 use super::workspace::Workspace;
@@ -44,10 +43,6 @@ pub struct Scene {
     pub(super) work: Workspace,
     /// True if all gears are oscillators.
     pub(super) oscillators: bool,
-    /// Closed form of a scene of two gears on one constant spring.
-    pub(super) one_spring: Option<OneSpring>,
-    /// True if the vibration of a gear may be removed in flight.
-    pub(super) cuts_vibration: bool,
     /// Buffer of [`Self::flight_until`].
     pub(super) flights: Vec<FreeFlight>,
     pub(super) initial: State,

@@ -8,7 +8,6 @@ use super::channels;
 use super::checks::{check_contacts, check_load, refuse_two_laws, refuse_user_law};
 use super::direct::FlankMotion;
 use super::hubs::hub_of;
-use super::linear_path::OneSpring;
 use super::members::{ActingFlanks, SceneGear, SceneMesh};
 use super::mesh_assembly::{friction_of, lines_of_action};
 use super::nodal::Nodal;
@@ -334,9 +333,6 @@ impl Scene {
             .map(|g| g.model.hub().characteristic_time)
             .fold(scales.characteristic_time, f64::min);
         let channels = channels::names(&meshes, &gears, plan.spans);
-        let one_spring = OneSpring::of(&gears, &meshes);
-        let alone = plan.elements.is_empty() && plan.guides.is_empty() && sets.is_empty();
-        let one_spring = one_spring.filter(|_| alone);
         let pair_lists = meshes.iter().map(|_| PairList::default()).collect();
         let fields = meshes.iter().any(|m| m.nodal);
         let nodal = Nodal::new(&gears, &meshes);
@@ -370,7 +366,6 @@ impl Scene {
             && damped.all(|m| m.gears.iter().all(one_mass));
         let sticks = |m: &SceneMesh| m.friction.as_ref().is_some_and(|f| f.law.sticks());
         let remembers = meshes.iter().any(sticks);
-        let cuts_vibration = gears.iter().any(|g| g.model.hub().vibration_cut_off > 0.0);
         let mut shafts = Shafts::new(
             plan,
             &sets.ground,
@@ -385,8 +380,6 @@ impl Scene {
             meshes,
             shafts: Shafts::default(),
             carriers,
-            one_spring,
-            cuts_vibration,
             flights: Vec::new(),
             channels,
             magnitudes: scales.magnitudes(),

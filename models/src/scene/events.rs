@@ -81,9 +81,6 @@ impl Events for Scene {
         if self.remembers {
             self.with_mut_carrier_state(s, Self::remember_friction);
         }
-        if self.cuts_vibration && self.cut_off_vibration(s) {
-            change = Change::Restart;
-        }
         change
     }
 }

@@ -1,4 +1,4 @@
-//! Free flight of a scene: its duration, its motion, and the removal of vibration during it.
+//! Free flight of a scene: its duration and its motion.
 //!
 //! **Duration.** Under steady loads gears in flight move as their frames do ([`FreeFlight`]), `theta = theta_0 +
 //! theta' t + theta'' t^2 / 2`, and the gap between facing flanks of rigid gears is at least `c + p . theta`
@@ -10,31 +10,12 @@
 //! has no error but rounding. Viscous and ramped loads, unequal or overdamped teeth, gears whose modes are coupled by
 //! their spin, full finite elements, and elastic gears against movable teeth have no such form or no such bound: they
 //! are stepped through as before.
-//!
-//! **Vibration cut-off.** A gear whose oscillators have less than a share `eps`
-//! ([`GearModel::vibration_cut_off`](crate::gear::model::GearModel::vibration_cut_off)) of the energy `E_0 = m u^2 /
-//! 2` of the next impact is set to the deflection of its loads; `u` is the speed at which the flanks of the frames
-//! will touch, `m` their reduced mass on the line of action. The momentum is conserved; the removed energy, `E < eps
-//! E_0`, is a jump in the ledger. The flight then lasts until the flanks touch. In contact all oscillators are active,
-//! and changes of loads excite them again.
-//!
-//! *Effect.* With and without the cut-off two motions differ by a vibration of energy `E`. In flight it moves no flank
-//! by more than `sqrt(2 c E)`. Through an impact nothing drives the difference: as long as the same contact with the
-//! linear law of stiffness `k` is closed, it is a motion of the undriven system, whose energy, including `dN^2 / (2
-//! k)` of the contact, does not grow. So to first order (both motions touch at once, up to `sqrt(2 c E) / u`), per
-//! impact and gear,
-//!
-//! ```text
-//! |dN| <= sqrt(2 k E) <= sqrt(eps) u sqrt(k m),    |du| <= sqrt(2 E / m) <= sqrt(eps) u
-//! ```
-//!
-//! for the force, over that of an impact on the contact's spring alone, and for the speed of rebound. Impacts add up.
 
 use super::assembled::Scene;
 use crate::contact::LineClearance;
 use crate::gear::{FreeFlight, work_on_hub};
 use gearbench_integrators::FlightPath;
-use gearbench_integrators::system::{Events, State, StateView};
+use gearbench_integrators::system::{Events, StateView};
 
 /// Returns the first positive zero of `c + b t + a t^2 / 2` for `c > 0`, or infinity.
 fn first_zero(c: f64, b: f64, a: f64) -> f64 {
@@ -129,54 +110,6 @@ impl Scene {
             }
         }
         until
-    }
-
-    /// Returns the energy of the next impact of a gear if its flight continued [J]; infinite where there is none.
-    fn coming_impact(&self, gear: usize) -> f64 {
-        let (mut soonest, mut energy) = (f64::INFINITY, f64::INFINITY);
-        for mesh in self.meshes.iter().filter(|m| m.gears.contains(&gear)) {
-            let frames = mesh.gears.map(|i| &self.flights[i]);
-            for line in &mesh.clearances {
-                let [gap, rate, acceleration] = clearance(line, frames);
-                let after = first_zero(gap, rate, acceleration);
-                if after < soonest {
-                    soonest = after;
-                    let speed = rate + acceleration * after;
-                    let yielding: f64 = (line.per_displacement.iter().zip(mesh.gears))
-                        .map(|(p, i)| (p, self.gears[i].model.hub()))
-                        .filter(|(_, hub)| hub.is_free())
-                        .map(|(p, hub)| p * p / hub.inertia)
-                        .sum();
-                    energy = 0.5 * speed * speed / yielding;
-                }
-            }
-        }
-        energy
-    }
-
-    /// Removes the vibration of gears that permit it; returns true when it removed one.
-    pub(super) fn cut_off_vibration(&mut self, s: &mut State) -> bool {
-        if self.flight_until(s.at()) <= s.t {
-            return false;
-        }
-        let mut slept = false;
-        for (i, g) in self.gears.iter().enumerate() {
-            let share = g.model.hub().vibration_cut_off;
-            let reference = self.coming_impact(i);
-            // A pair in which both hubs are fixed has no reduced mass.
-            let below = self.flights[i].energy < share * reference && reference.is_finite();
-            let Some(load) = g.steady_load(s.t).filter(|_| below) else {
-                continue;
-            };
-            let State { t, q, v, discrete } = &mut *s;
-            let own = g.range();
-            let cells = &mut discrete[g.discrete.0..][..g.discrete.1];
-            let (q, v) = (&mut q[own.clone()], &mut v[own]);
-            if let Some(linear) = g.model.linear() {
-                slept |= linear.cut_off_vibrations(*t, load, q, v, cells);
-            }
-        }
-        slept
     }
 
     /// Computes [`SecondOrderSystem::steady_work`] of the scene.

@@ -32,7 +32,6 @@ mod events;
 mod free_flight;
 mod friction;
 mod hubs;
-mod linear_path;
 mod low_rank;
 mod members;
 mod mesh_assembly;

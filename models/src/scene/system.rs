@@ -257,10 +257,6 @@ impl FreeFlight for Scene {
         self.path_from(s.at(), later, path)
     }
 
-    fn linear_path(&mut self, s: &State, path: &mut FlightPath) -> f64 {
-        self.linear_path_from(s.at(), path)
-    }
-
     fn steady_work(&mut self, from: StateView<'_>, to: StateView<'_>) -> Option<f64> {
         self.work_of_flight(from, to)
     }

@@ -92,11 +92,6 @@ impl StiffnessCurve {
         self.of
     }
 
-    /// Returns true if the stiffness is constant.
-    pub fn is_constant(&self) -> bool {
-        self.own.is_constant()
-    }
-
     /// Returns the range of path coordinates (m) in which the stiffness varies; `None` for a constant one.
     pub fn range(&self) -> Option<[f64; 2]> {
         self.own.range()

@@ -36,9 +36,6 @@ declare_parameters! {
         step_s: f64,
         /// centrifugal and Coriolis terms, which couple the modes: "auto" (default: from a spin rate of 1 % of the lowest frequency), "full" or "none"
         spin_terms: SpinTerms,
-        /// modes are put to rest in flight below this share of the energy of the next impact; default 0: never
-        #[serde(deserialize_with = "number")]
-        vibration_cut_off: f64,
         flatten mesh: MeshParameters,
     }
 }

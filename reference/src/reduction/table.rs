@@ -230,7 +230,6 @@ fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
         ));
     }
     let damping = damping(&reader, given)?;
-    let vibration_cut_off = reader.not_negative("vibration_cut_off", given.vibration_cut_off)?;
     let asked = ModeRequest {
         by: criterion(context, given),
         count,
@@ -313,10 +312,7 @@ fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
     let gear = gear.with_spin_terms(given.spin_terms.unwrap_or_default());
     let mut gear = gear.map_err(|e| reader.error("spin_terms", e))?;
     gear.decide_spin_terms(context.speed);
-    let gear = gear.with_vibration_cut_off(vibration_cut_off);
-    Ok(Box::new(
-        gear.map_err(|e| reader.error("vibration_cut_off", e))?,
-    ))
+    Ok(Box::new(gear))
 }
 
 #[cfg(test)]
@@ -392,7 +388,6 @@ mod tests {
             (vec![("damping_ratio", number(1.5))], "damp less"),
             (vec![("modes", number(1.5))], "whole number"),
             (vec![("spin_terms", word("some"))], "expected one of `auto`"),
-            (vec![("vibration_cut_off", number(1.0))], "[0, 1)"),
         ] {
             let e = built(Mount::Revolute, &parameters).unwrap_err().to_string();
             assert!(e.contains(message), "{e}");

@@ -38,5 +38,4 @@ mod tooth_springs;
 mod torque_paths;
 mod touch_speed;
 mod trains;
-mod vibration_cut_off;
 mod zones;

@@ -1,17 +1,14 @@
-//! Contacts on lines of action without candidates: their forces are those of the candidates; one constant spring from event
-//! to event in closed form; what a run under load takes.
+//! Contacts on lines of action without candidates: their forces are those of the candidates; what a run under load takes.
 
-use gearbench_integrators::observers::ledger::Ledger;
 use gearbench_integrators::observers::recorder::Recorder;
 use gearbench_integrators::{
-    AcceptedStep, Control, FlightPath, FreeFlight, NullSink, Resolution, SecondOrderSystem, Sink,
-    State, TimePlan, Work, method,
+    AcceptedStep, Control, NullSink, Resolution, SecondOrderSystem, Sink, State, TimePlan, Work,
+    method,
 };
 use gearbench_models::geometry::GearParams;
-use gearbench_models::law::{Damping, Friction};
+use gearbench_models::law::Damping;
 use gearbench_models::scene::{Channel, OfGear, OfMesh, Scene};
-use gearbench_models::spec::{Body, ContactSpec, Load, ModelSpec, Mount, Profile, SceneSpec};
-use gearbench_models::stiffness::{PairOrMesh, PairStiffness};
+use gearbench_models::spec::{Body, ContactSpec, Load, ModelSpec, Profile, SceneSpec};
 use gearbench_tests::*;
 
 fn loaded(torque: f64) -> SceneSpec {
@@ -141,136 +138,6 @@ fn forces_without_candidates_are_those_of_the_candidates() {
             kept.0.len()
         );
         assert!(in_contact > 50 && worst < 1e-11, "{name}: {worst:e}");
-    }
-}
-
-fn one_spring(damping: Damping) -> ContactSpec {
-    ContactSpec {
-        stiffness: PairStiffness::Constant {
-            per_width: 1.5e10,
-            of: PairOrMesh::Mesh,
-        },
-        ..damped(1.5e10, damping)
-    }
-}
-
-/// Sink that checks Newton's law along steps, by differences of the velocities inside.
-struct Newton {
-    worst: f64,
-    steps: usize,
-}
-
-impl Sink for Newton {
-    fn accepted(&mut self, sys: &mut dyn SecondOrderSystem, step: &AcceptedStep<'_>) -> Control {
-        let n = step.from.q.len();
-        let h = step.to.t - step.from.t;
-        let by = (1e-3_f64).min(1e-8 / h);
-        let mut s = step.from.clone();
-        let (mut q, mut ahead, mut behind) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
-        for theta in [0.2, 0.5, 0.9] {
-            step.dense.eval(theta + by, &mut q, &mut ahead);
-            step.dense.eval(theta - by, &mut q, &mut behind);
-            step.dense.eval(theta, &mut s.q, &mut s.v);
-            s.t = step.from.t + theta * h;
-            let mut a = vec![0.0; n];
-            sys.force(s.at(), &mut a);
-            sys.solve_mass(s.at(), &mut a);
-            for i in 0..n {
-                let rate = (ahead[i] - behind[i]) / (2.0 * by * h);
-                self.worst = self.worst.max((rate - a[i]).abs() / (1e3 + a[i].abs()));
-            }
-        }
-        self.steps += 1;
-        Control::Continue
-    }
-}
-
-#[test]
-fn one_constant_spring_goes_from_event_to_event() {
-    let kelvin = Damping::KelvinVoigtRatio { ratio: 0.05 };
-    let strong = Damping::KelvinVoigtRatio { ratio: 0.6 };
-    for (name, torque, damping, driven) in [
-        ("free", 0.0, Damping::None, false),
-        ("free, damped", 0.0, kelvin, false),
-        ("loaded", 2.0, Damping::None, false),
-        ("loaded, damped", 2.0, kelvin, false),
-        ("loaded, strongly damped", 2.0, strong, false),
-        ("driven", 1.0, kelvin, true),
-    ] {
-        let mut spec = case_a(1e-5);
-        spec.gears[0].loads = vec![Load::Applied(Profile::Constant(torque))];
-        if driven {
-            spec.gears[1].mount = Mount::Driven(Profile::Constant(-10.0));
-        } else {
-            spec.gears[1].loads = vec![Load::Applied(Profile::Constant(torque))];
-        }
-        let mut scene = build(&spec, &[rigid(), rigid()], &one_spring(damping));
-        let end = 0.02;
-        let fine = run(&mut scene, "dopri5", Resolution::Tolerance(1e-12), end).unwrap(name);
-        for resolution in [Resolution::Step(1e-4), Resolution::Tolerance(1e-2)] {
-            let (mut ledger, mut newton) = (
-                Ledger::default(),
-                Newton {
-                    worst: 0.0,
-                    steps: 0,
-                },
-            );
-            let plan = TimePlan::new(end, resolution);
-            let begin = scene.initial();
-            let mut sinks = gearbench_integrators::observers::Tee(vec![&mut ledger, &mut newton]);
-            let (state, work) = watched(&mut scene, begin, "trigonometric", &plan, &mut sinks);
-            ledger.close(&mut scene, &state);
-            let off = (state.v.iter().zip(&fine.state.v))
-                .map(|(a, b)| (a - b).abs() / b.abs())
-                .fold(0.0, f64::max);
-            let residual = ledger.residual().abs() / ledger.vibrating();
-            println!(
-                "{name}: {} events, {} steps, speeds off by {off:.1e}, energy {residual:.1e}, Newton {:.1e}",
-                work.events, work.steps, newton.worst
-            );
-            assert!(work.events > 0 && work.events == fine.work.events, "{name}");
-            assert!(
-                off < 1e-8 && residual < 1e-6 && newton.worst < 1e-4,
-                "{name}"
-            );
-            // No force is evaluated but at the start, and contact is told in steps of half a radian.
-            assert!(work.force_evaluations <= 2 && work.rejected == 0, "{name}");
-            assert!(
-                work.steps < 9 * work.events + 1300,
-                "{name}: {}",
-                work.steps
-            );
-        }
-    }
-}
-
-#[test]
-fn what_is_not_one_constant_spring_has_no_closed_form() {
-    let mut with_friction = one_spring(Damping::None);
-    with_friction.friction = Some(Friction::new(0.05, 0.01).unwrap());
-    let mut ramp = case_a(1e-5);
-    ramp.gears[0].loads = vec![Load::Viscous(0.1)];
-    for (name, spec, contact) in [
-        ("pairs", case_a(1e-5), contact(1.5e10)),
-        ("varying", case_a(1e-5), compliance(Damping::None)),
-        ("friction", case_a(1e-5), with_friction),
-        (
-            "impact speed",
-            case_a(1e-5),
-            one_spring(Damping::Flores { e: 0.8 }),
-        ),
-        (
-            "overdamped",
-            case_a(-1e-6),
-            one_spring(Damping::KelvinVoigtRatio { ratio: 1.5 }),
-        ),
-        ("viscous load", ramp, one_spring(Damping::None)),
-    ] {
-        let mut scene = build(&spec, &[rigid(), rigid()], &contact);
-        let mut s = scene.initial();
-        gearbench_integrators::Events::begin(&mut scene, &mut s, true);
-        let mut path = FlightPath::default();
-        assert_eq!(scene.linear_path(&s, &mut path), s.t, "{name}");
     }
 }
 

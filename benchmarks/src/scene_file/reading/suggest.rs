@@ -1,7 +1,7 @@
 //! Suggestions for unknown keys: nearest known word, renamed keys, and keys with another unit.
 
 /// Keys of earlier versions with their present names.
-const RENAMED: &[(&str, &str)] = &[("coast", "free_flight"), ("sleep", "vibration_cut_off")];
+const RENAMED: &[(&str, &str)] = &[("coast", "free_flight")];
 
 /// Suffixes of other units, the suffix of the format, and the factor between them.
 const UNITS: &[(&str, &str, f64)] = &[
@@ -313,10 +313,10 @@ mod tests {
         assert_eq!(nearest("eteth", &known), Some("teeth"));
         assert_eq!(nearest(&"teeth".repeat(20), &known), None);
         assert_eq!(words(&["a", "b", "c"]), "`a`, `b` or `c`");
-        let help = help_for("sleep", Some(0.1), &["vibration_cut_off"], &|_| "a share");
-        assert_eq!(help, "`sleep` is now called `vibration_cut_off`: a share");
+        let help = help_for("coast", Some(0.1), &["free_flight"], &|_| "a switch");
+        assert_eq!(help, "`coast` is now called `free_flight`: a switch");
         assert_eq!(
-            help_for("sleep", None, &["teeth"], &|_| ""),
+            help_for("coast", None, &["teeth"], &|_| ""),
             "known are teeth"
         );
     }

@@ -122,18 +122,10 @@ const STUDIES: &str = r##"
     rk4 has fixed steps
 36: method = "rk4" => method = "rk4(coast=1)"
     `coast` | `free_flight`
-33: tooth_mass_kg = 4.8e-3 => tooth_mass_kg = 4.8e-3, sleep = 1e-6
-    `sleep` is now called `vibration_cut_off`
 36: method = "rk4" => method = "rk4(free_flight=2)"
     free_flight = 2 | neither 0 nor 1
 36: method = "rk4" => method = "trigonometric(free_flight=0)"
     always crosses flights
-33: tooth_mass_kg = 4.8e-3 => tooth_mass_kg = 4.8e-3, vibration_cut_off = 1.0
-    `vibration_cut_off` | at least 0 and less than 1
-33: tooth_mass_kg = 4.8e-3 => tooth_mass_kg = 4.8e-3, vibration_cut_off = -1e-8
-    `vibration_cut_off` | at least 0 and less than 1
-33: tooth_mass_kg = 4.8e-3 => tooth_mass_kg = 4.8e-3, vibration_cut_off = "never"
-    `vibration_cut_off` | at least 0 and less than 1
 36: step_s = 1e-6 => step_s = -1e-6
     expected more than 0
 36: method = "dopri5", rtol => method = "bdf", step_s

@@ -151,25 +151,6 @@ impl LinesOfAction {
         self.lines.iter().map(of).collect()
     }
 
-    /// Returns true if all pairs share one spring of constant stiffness and have one gap: the pair nearest to the
-    /// middle of the path touches within it, on plain involutes.
-    pub(crate) fn is_one_constant_spring(&self) -> bool {
-        let middle = 0.5 * (self.zone[0] + self.zone[1]);
-        let beside = 0.5 * self.mesh.base_pitch;
-        let inside = |line: &Line| {
-            middle + beside <= line.tips[0] && self.mesh.length - (middle - beside) <= line.tips[1]
-        };
-        self.whole_mesh
-            && self.stiffness.is_constant()
-            && self.lines.iter().all(|line| line.plain && inside(line))
-    }
-
-    /// Returns the gap of plain flanks of a side, which is equal for all slices.
-    pub(crate) fn clearance_of(&self, side: Side) -> Option<LineClearance> {
-        let line = self.lines.iter().find(|line| line.side == side)?;
-        Some(self.plain_clearance(line))
-    }
-
     fn plain_clearance(&self, line: &Line) -> LineClearance {
         LineClearance {
             assembled: self.helix_cos * line.slack,

@@ -10,7 +10,6 @@
 //! bounds how far a node stands off its rigid flank for the whole flight.
 
 use super::body::Elastic;
-use crate::error::Reason;
 use crate::gear::capabilities::{LinearMotion, Oscillators};
 use crate::gear::free_flight::FreeFlight;
 use crate::gear::model::GearModel;
@@ -18,19 +17,6 @@ use gearbench_integrators::FlightPath;
 use gearbench_integrators::system::StateView;
 
 impl Elastic {
-    /// Sets the ratio to the energy of the next impact below which the modes are set to their static deflection in
-    /// flight; 0 disables this.
-    ///
-    /// # Errors
-    /// A share outside [0, 1).
-    pub fn with_vibration_cut_off(mut self, share: f64) -> Result<Self, Reason> {
-        if !(0.0..1.0).contains(&share) {
-            return Err((format!("{share} lies outside [0, 1)"), "1e-12 is usual").into());
-        }
-        self.hub.vibration_cut_off = share;
-        Ok(self)
-    }
-
     /// Returns the modal loads of a steady load on the hub, or of its prescribed acceleration.
     fn modal_loads(&self, t: f64, load: f64) -> impl Iterator<Item = f64> + '_ {
         let (shapes, factor) = if self.turns() {
@@ -105,7 +91,6 @@ impl LinearMotion for Elastic {
             frame: self.hub.frame(at, load),
             outward: outward + (self.hub_reach * load).abs(),
             displacement: 0.0,
-            energy: 0.5 * swinging,
         })
     }
 
@@ -115,31 +100,6 @@ impl LinearMotion for Elastic {
             path.oscillator(self.omega[i], self.zeta[i], [at.q[i], at.v[i]], g);
             path.moves(first + i, 1.0);
         }
-    }
-
-    fn cut_off_vibrations(
-        &self,
-        t: f64,
-        load: f64,
-        q: &mut [f64],
-        v: &mut [f64],
-        _discrete: &mut [f64],
-    ) -> bool {
-        let at = StateView {
-            t,
-            q: &*q,
-            v: &*v,
-            discrete: &[],
-        };
-        let [swinging, resting] = self.energies(at, load);
-        if swinging <= (64.0 * f64::EPSILON).powi(2) * resting {
-            return false;
-        }
-        for (i, g) in (self.own..).zip(self.modal_loads(t, load)) {
-            q[i] = g / (self.omega[i] * self.omega[i]);
-            v[i] = 0.0;
-        }
-        true
     }
 
     /// Returns the work of a prescribed acceleration on the modes, in addition to that of loads.

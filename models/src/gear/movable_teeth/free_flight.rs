@@ -34,9 +34,6 @@ struct Parts {
     own_zeta: f64,
     /// Shares of the mean deflection in the motion of the hub and of the teeth.
     shares: [f64; 2],
-    /// Effective inertia of the mean deflection, and that of a tooth.
-    swinging: f64,
-    tooth: f64,
 }
 
 impl Parts {
@@ -99,8 +96,6 @@ impl MovableTeeth {
                 own_omega,
                 own_zeta,
                 shares: [-of_teeth, self.body / total],
-                swinging: of_teeth * self.body,
-                tooth: m,
             }
         } else {
             let slope = self.hub.prescribed_acceleration(at.t);
@@ -114,8 +109,6 @@ impl MovableTeeth {
                 own_omega,
                 own_zeta,
                 shares: [0.0, 1.0],
-                swinging: number * m,
-                tooth: m,
             }
         };
         (parts.zeta < 1.0).then_some(parts)
@@ -138,12 +131,10 @@ impl LinearMotion for MovableTeeth {
         let parts = self.parts(at, load)?;
         let resting = parts.resting();
         let stretched = doubled(parts.omega, parts.stretch[0] - resting, parts.stretch[1]);
-        let (mut widest, mut deviating) = (0.0_f64, 0.0);
+        let mut widest = 0.0_f64;
         for i in 0..at.q.len() - self.first() {
             let [d, v] = self.deviation(at, &parts, i);
-            let twice = doubled(parts.own_omega, d, v);
-            widest = widest.max(twice);
-            deviating += self.count(i) * twice;
+            widest = widest.max(doubled(parts.own_omega, d, v));
         }
         let mut displacement = parts.shares[1] * (resting.abs() + stretched.sqrt() / parts.omega)
             + widest.sqrt() / parts.own_omega;
@@ -154,13 +145,11 @@ impl LinearMotion for MovableTeeth {
                     .squares(&self.springs, at.t, &at.discrete[self.head()..]);
             let twice = vv + parts.own_omega.powi(2) * dd;
             displacement += twice.sqrt() / parts.own_omega;
-            deviating += twice;
         }
         Some(FreeFlight {
             frame: parts.frame,
             outward: 0.0,
             displacement,
-            energy: 0.5 * (parts.swinging * stretched + parts.tooth * deviating),
         })
     }
 
@@ -188,51 +177,6 @@ impl LinearMotion for MovableTeeth {
                 path.moves(coordinate, 1.0);
             }
         }
-    }
-
-    fn cut_off_vibrations(
-        &self,
-        t: f64,
-        load: f64,
-        q: &mut [f64],
-        v: &mut [f64],
-        discrete: &mut [f64],
-    ) -> bool {
-        let at = StateView {
-            t,
-            q: &*q,
-            v: &*v,
-            discrete: &*discrete,
-        };
-        let Some(parts) = self.parts(at, load) else {
-            return false;
-        };
-        let resting = parts.resting();
-        let own = self.first();
-        let [displacement, speed, _] = parts.frame;
-        let place = |i: usize| displacement + parts.shares[usize::from(i >= own)] * resting;
-        // Angles hold deflections to some units of their own rounding.
-        let rounding = 64.0 * f64::EPSILON * (displacement.abs() + resting.abs());
-        let rests = |i: usize| {
-            (q[i] - place(i)).abs() <= rounding
-                && (v[i] - speed).abs()
-                    <= parts.omega * rounding + 64.0 * f64::EPSILON * speed.abs()
-        };
-        let free = &discrete[self.head()..];
-        let outside_rests = self.slots == 0 || {
-            let (dd, vv) = self.deviations().squares(&self.springs, t, free);
-            vv + parts.own_omega.powi(2) * dd <= (parts.own_omega * rounding).powi(2)
-        };
-        if outside_rests && (0..q.len()).all(rests) {
-            return false;
-        }
-        for i in 0..q.len() {
-            q[i] = place(i);
-            v[i] = speed;
-        }
-        let head = self.head();
-        discrete[head + 1..].fill(0.0);
-        true
     }
 
     /// Returns the work on the gear; on a prescribed hub the springs receive `sum m S''` from it.

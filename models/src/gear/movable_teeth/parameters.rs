@@ -110,9 +110,6 @@ declare_parameters! {
         stiffness_at_radius_n_per_m: Vec<f64>,
         /// "active" or "all": teeth near a mesh one by one and the rest in closed form (default), or all one by one
         integrate: Integrate,
-        /// teeth are put to rest in flight below this share, at least 0 and less than 1, of the energy of the next impact; default 0: never
-        #[serde(deserialize_with = "number")]
-        vibration_cut_off: f64,
     }
     required(tooth_stiffness_n_per_m, tooth_mass_kg)
 }
@@ -225,15 +222,6 @@ pub fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError
     };
     positive("spring_radius_m", &[r_d], false)?;
 
-    let vibration_cut_off = given.vibration_cut_off.unwrap_or(0.0);
-    if !(0.0..1.0).contains(&vibration_cut_off) {
-        return Err(BuildError::parameter(
-            MODEL,
-            "vibration_cut_off",
-            "expected a number of at least 0 and less than 1, for example 1e-12",
-        ));
-    }
-
     let uniform = stiffness.len() == 1 && mass.len() == 1 && damping.len() == 1;
     let springs = if uniform {
         ToothSprings {
@@ -278,7 +266,6 @@ pub fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError
     let hub = HubBody {
         contact_mass: lightest * springs.radius_squared / context.effective_radius.powi(2),
         characteristic_time: springs.shortest_time(),
-        vibration_cut_off,
         ..HubBody::new(context.hub.clone(), context.effective_radius)
     };
     let mut gear = MovableTeeth {
