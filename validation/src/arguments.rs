@@ -11,6 +11,7 @@ Examples:
   gearbench-validation run held-out --threads 2         use a set that was not used for development
   gearbench-validation coverage --model movable-teeth   do confidence intervals contain the true constants?
   gearbench-validation agreement                        do compare and choose contradict each other?
+  gearbench-validation combinations                     which models, mounts, contacts and studies work together?
   gearbench-validation figures impact                   measure the figures of one source for the documents
   gearbench-validation summary damped.csv                print counts and ranges of stored results
   gearbench-validation identification                   compare constants with finite elements at other speeds
@@ -47,6 +48,8 @@ pub enum Command {
     Coverage(Coverage),
     /// Run `compare` and `choose` on random scenes and compare their results
     Agreement(Agreement),
+    /// Examine which toothings, mounts, models, contacts, integrators and studies work together, and write the table
+    Combinations(Combinations),
     /// Compare identified constants with finite elements at other speeds, and with other stiffness formulas
     Identification(Identification),
     /// Measure the figures that README and book quote, store them, and write them into the documents
@@ -68,6 +71,17 @@ pub struct Agreement {
     pub scenes: Option<[usize; 2]>,
     /// Folder for scenes, records and the table
     #[arg(long, value_name = "DIR", default_value = "out/agreement")]
+    pub out: PathBuf,
+}
+
+/// Arguments of `combinations`.
+#[derive(Args, Clone, Debug)]
+pub struct Combinations {
+    /// Run the scenes under the integrators alone, without the studies
+    #[arg(long)]
+    pub without_studies: bool,
+    /// Table to write; the list of reasons stands next to it
+    #[arg(long, value_name = "FILE", default_value = "combinations.csv")]
     pub out: PathBuf,
 }
 

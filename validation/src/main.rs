@@ -10,6 +10,7 @@
 //! | [`choices`] | validated choices and their table |
 //! | [`campaign`] | a set of scenes, in parallel, with a journal |
 //! | [`reduction`] | elastic gears compared with full finite elements on the same scenes |
+//! | [`combinations`] | which toothings, mounts, models, contacts, integrators and studies work together |
 //! | [`coverage`] | coverage of the intervals of identified constants on synthetic data |
 //! | [`figures`] | figures in the documents: commands, stored values, comparison |
 //! | [`identification`] | identified constants compared with finite elements at other speeds |
@@ -19,6 +20,7 @@ mod agreement;
 mod arguments;
 mod campaign;
 mod choices;
+mod combinations;
 mod coverage;
 mod figures;
 mod identification;
@@ -68,6 +70,7 @@ fn main() -> ExitCode {
         Command::Reduction(args) => reduce(&context, &args),
         Command::Coverage(args) => cover(&context, &args),
         Command::Agreement(args) => agree(&context, &args),
+        Command::Combinations(args) => combine(&context, &args),
         Command::Identification(args) => carry(&context, &args, &told),
         Command::Figures(args) => quote(&context, &args),
         Command::Summary { files } => summary(&context, &files),
@@ -119,6 +122,40 @@ fn agree(context: &Context, args: &arguments::Agreement) -> Result<CommandResult
         0 => Exit::Done,
         _ => Exit::FellShort,
     }))
+}
+
+/// Examines all combinations and writes their table, and the list of reasons next to it.
+fn combine(context: &Context, args: &arguments::Combinations) -> Result<CommandResult, Refusal> {
+    let fail = |e: std::io::Error| Refusal::Files(format!("{}: {e}", args.out.display()));
+    let all = combinations::all();
+    let folder = tempfile::tempdir().map_err(fail)?;
+    let program = agreement::next_to_this();
+    let studies = (!args.without_studies).then_some((program.as_path(), folder.path()));
+    let display = Display::new(all.len());
+    let mut rows = Vec::with_capacity(all.len());
+    for of in &all {
+        if context.interruption.is_requested() {
+            break;
+        }
+        let what = format!(
+            "{}, {}, {}, {}",
+            of.toothing, of.mount, of.model, of.contact
+        );
+        display.report_progress(rows.len(), all.len(), &what);
+        rows.push(combinations::examine(context, *of, studies).map_err(fail)?);
+    }
+    drop(display);
+    let [table, reasons] = combinations::csv(&rows).map_err(|e| fail(e.into()))?;
+    std::fs::write(&args.out, table).map_err(fail)?;
+    let name = args.out.file_stem().unwrap_or_default().to_string_lossy();
+    let list = args.out.with_file_name(format!("{name}_reasons.csv"));
+    std::fs::write(&list, reasons).map_err(fail)?;
+    for (outcome, cells) in combinations::counts(&rows) {
+        context
+            .messages
+            .print_line(&format!("{outcome}: {cells} cells"));
+    }
+    Ok(CommandResult::done())
 }
 
 /// Measures the figures of the documents again and writes them into the documents.
