@@ -234,6 +234,7 @@ pub fn motion(helix: f64) -> GearMotion {
             value: FlankValue::Pressure,
             values: of(&[5e8]),
         },
+        ..GearMotion::default()
     }
 }
 
