@@ -1,25 +1,27 @@
 // Opens reports in a browser from file:// and checks what a reader does with them: values at the cursor against the
-// record, zoom, legend, keys, one cursor for all histories, the row of a run, narrow and dark pages, print, and the rules
-// of axe. Usage: node pages.mjs TOOLS BROWSER OUT NAME=FOLDER ...; TOOLS has node_modules, OUT takes pictures.
+// record, zoom, legend, keys, one cursor for all histories, the row of a run, moving gears, narrow and dark pages, print, and
+// the rules of axe. Usage: node pages.mjs TOOLS BROWSER OUT NAME=FOLDER ...; TOOLS has node_modules, OUT takes pictures.
 import { createRequire } from "node:module";
 import { readFileSync, writeFileSync, statSync, existsSync } from "node:fs";
 import { join, resolve } from "node:path";
 import { pathToFileURL } from "node:url";
 import assert from "node:assert/strict";
+import { movingGears } from "./moving_gears.mjs";
 
 const [tools, executablePath, out, ...reports] = process.argv.slice(2);
 const require = createRequire(join(resolve(tools), "package.json"));
 const puppeteer = require("puppeteer-core");
 const axe = readFileSync(require.resolve("axe-core/axe.min.js"), "utf8");
 
-const browser = await puppeteer.launch({ executablePath, headless: true, args: ["--no-sandbox", "--hide-scrollbars"] });
+const browser = await puppeteer.launch({ executablePath, headless: true, args: ["--no-sandbox", "--hide-scrollbars", "--enable-unsafe-swiftshader"] });
 
 // Opens a page and asserts that it writes no message and makes no request but for itself; a gallery shows charts of the
 // reports below its folder.
 async function open(file, { width, height, dark = false, gallery = false }) {
   const page = await browser.newPage();
   const noise = [];
-  page.on("console", (m) => noise.push(`console: ${m.text()}`));
+  // The test reads pixels, which WebGL calls slow.
+  page.on("console", (m) => m.text().includes("ReadPixels") || noise.push(`console: ${m.text()}`));
   page.on("pageerror", (e) => noise.push(`error: ${e}`));
   const address = pathToFileURL(file).href;
   const isChart = (url) => url.startsWith(new URL(".", address).href) && url.endsWith(".svg");
@@ -106,7 +108,7 @@ const charts = (page) =>
 // Values of the charts of histories at some times against the histories of the record.
 async function valuesAgainstRecord(page, folder) {
   const record = JSON.parse(readFileSync(join(folder, "results.json"), "utf8"));
-  const all = [...record.references, ...record.runs].flatMap((r) => [r.series, ...(r.further || [])]).filter((s) => s && s.time_s);
+  const all = [...(record.references || []), ...record.runs].flatMap((r) => [r.series, ...(r.further || [])]).filter((s) => s && s.time_s);
   const columns = { "contact force": /^contact_force.*_n$/ };
   let checked = 0;
   for (const chart of (await charts(page)).filter((c) => c.time && /^Contact force|^Angular/.test(c.name))) {
@@ -387,7 +389,7 @@ try {
     });
     const all = await charts(page);
     const mapped = await maps(page, folder);
-    assert.ok(all.length + mapped > 0 || gallery, `${name} has no chart to touch`);
+    assert.ok(all.length + mapped > 0 || gallery || (await page.$(".gears .panel")), `${name} has nothing to touch`);
     if (mapped) done.push(`${mapped} maps`);
     for (const chart of all.filter((c) => c.curves && !c.time)) {
       await page.evaluate((id) => document.getElementById(id).focus(), chart.id);
@@ -403,6 +405,8 @@ try {
       await rows(page);
       done.push("values, zoom, legend, keys, cursor, rows");
     }
+    const moving = await movingGears(page, { name, folder, file, out });
+    if (moving) done.push(moving);
     await printed(page, name);
     quiet();
     await page.close();

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# Makes small reports with the built program and opens them in a real browser (.ci/pages.mjs): a comparison, a stability
-# map, a sweep over speed and a run-up. Node packages (puppeteer-core, axe-core) come from the npm registry into
+# Makes small reports with the built program and opens them in a real browser (.ci/pages.mjs): comparisons, one of a planetary
+# set, a stability map, a sweep over speed, a run-up, a frequency response, and modes in a plane and in space. Further
+# reports are arguments, NAME=FOLDER; only those are opened with ONLY=1. Node packages (puppeteer-core, axe-core) come from the npm registry into
 # target/tools/browser; the browser is Debian's `chromium` or the one that BROWSER names. A missing browser, Node or
 # network is reported as "left out: " and fails nothing; a check that fails does. Pictures and prints are in
 # target/tools/browser/out.
@@ -31,13 +32,22 @@ results=$(mktemp -d)
 trap 'rm -rf "$results"' EXIT
 # A run beyond the tolerance of its scene (code 1) is a result.
 make() { "$program" --quiet "$@" || [ $? -eq 1 ]; }
-make compare spur_impact --models rigid,movable-teeth --integrators dopri5@1e-6,velocity-verlet@100ns,rk4@200ns --out "$results/compare"
-make compare examples/my_pair.toml --models rigid --out "$results/compare_pair"
-make stability spur_impact --models rigid --integrators rk4,velocity-verlet --grid 12x6 --no-refine --out "$results/stability"
-make sweep loaded_mesh --models rigid --out "$results/sweep"
-make run-up run_up --models rigid --out "$results/run_up"
-make view "$results" --print
-
 reports=()
-for name in compare compare_pair stability sweep run_up; do reports+=("$name=$results/$name"); done
-node .ci/pages.mjs "$tools" "$browser" "$out" "${reports[@]}" "gallery=$results"
+if [ -z "${ONLY:-}" ]; then
+  make compare spur_impact --models rigid,movable-teeth --integrators dopri5@1e-6,velocity-verlet@100ns,rk4@200ns --out "$results/compare"
+  make compare examples/my_pair.toml --models rigid --out "$results/compare_pair"
+  make stability spur_impact --models rigid --integrators rk4,velocity-verlet --grid 12x6 --no-refine --out "$results/stability"
+  make sweep loaded_mesh --models rigid --out "$results/sweep"
+  make run-up run_up --models rigid --out "$results/run_up"
+  make compare planetary --models rigid --integrators dopri5@1e-5 --out "$results/planetary"
+  make response loaded_mesh --models rigid --out "$results/response"
+  make modes loaded_mesh --models rigid,elastic --out "$results/modes"
+  make modes driveline --models rigid --out "$results/modes_driveline"
+  make view "$results" --print
+
+  for name in compare compare_pair stability sweep run_up planetary response modes modes_driveline; do
+    reports+=("$name=$results/$name")
+  done
+  reports+=("gallery=$results")
+fi
+node .ci/pages.mjs "$tools" "$browser" "$out" "${reports[@]}" "$@"

@@ -3,11 +3,12 @@
 use super::configuration::Configuration;
 use super::journal::JournalError;
 use super::key::Key;
+use super::motion::motion_of_mode;
 use super::run::LEFT_OUT;
 use super::runner::Runner;
 use super::settings::settings;
 use crate::scene_file::{ModelChoice, SceneError, SceneFile};
-use crate::small_signals::mesh_mode::{FEW_OVER_CYCLE, mesh_mode};
+use crate::small_signals::mesh_mode::{FEW_OVER_CYCLE, ModeMotion, mesh_mode};
 use gearbench_models::gear::table::Model;
 use gearbench_reports::record::MeshMode;
 
@@ -57,8 +58,8 @@ pub fn selected_models<'s>(
     Ok((taken, told))
 }
 
-/// The mesh modes of all models of a study whose scene has loads. A mode that cannot be computed gives a row with the
-/// reason.
+/// The mesh modes of all models of a study whose scene has loads, with their motions if the page shows these. A mode that
+/// cannot be computed gives a row with the reason.
 ///
 /// # Errors
 /// [`JournalError`].
@@ -66,6 +67,7 @@ pub fn mesh_modes<'e>(
     entries: impl IntoIterator<Item = &'e Configuration>,
     models: &[Model],
     runner: &Runner<'_>,
+    moving: bool,
 ) -> Result<Vec<MeshMode>, JournalError> {
     let mut all = Vec::new();
     for entry in entries {
@@ -73,10 +75,13 @@ pub fn mesh_modes<'e>(
             break;
         }
         let key = Key::new("mesh mode").and_scene(&entry.scene, &entry.modelling);
+        let key = if moving { key.and(&"moving") } else { key };
         let label = entry.model_label();
         let of = (&entry.scene, &entry.modelling);
         let found = runner.piece(key, || {
-            Ok::<_, JournalError>(mesh_mode(&label, of, models, FEW_OVER_CYCLE))
+            let motion_of: ModeMotion<'_> = &motion_of_mode;
+            let motion_of = moving.then_some(motion_of);
+            Ok::<_, JournalError>(mesh_mode(&label, of, models, FEW_OVER_CYCLE, motion_of))
         })?;
         all.extend(found);
     }

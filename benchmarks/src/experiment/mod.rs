@@ -15,6 +15,7 @@
 //! | [`journal`] | storage of finished work, so that an interrupted study continues |
 //! | [`key`] | keys of pieces of work, hashed from their inputs |
 //! | `linear_models` | models for analyses with dense matrices, and their mesh modes |
+//! | `mechanism` | bodies without teeth, shafts and bearings of a motion |
 //! | [`machine`] | computer, program and time of a record |
 //! | [`parallel`] | parallel execution of pieces of work |
 //! | `record` | the row of a run in the record, and its histories |
@@ -47,6 +48,7 @@ pub mod journal;
 pub mod key;
 pub(crate) mod linear_models;
 pub mod machine;
+mod mechanism;
 mod monitored_observer;
 pub mod motion;
 pub mod parallel;

@@ -7,7 +7,7 @@ use super::history::History;
 use super::key::Key;
 use super::machine::cpu_time;
 use super::monitored_observer::MonitoredObserver;
-use super::motion::motion;
+use super::motion::motion_of_run;
 use super::parameters::parameters;
 use super::paths::{has_train, torque_paths};
 use super::pictures::Pictures;
@@ -377,7 +377,7 @@ fn timed_from(
             },
             ..snapshot(job.scene, scene, s)
         }),
-        motion: (job.motion && job.histories).then(|| motion(job.scene, scene, history)),
+        motion: (job.motion && job.histories).then(|| motion_of_run(job.scene, scene, history)),
         series: Some(series),
         histories: job.histories.then(|| histories(job, scene, history)),
         paths: (job.paths || (job.histories && has_train(job.scene)))

@@ -7,11 +7,11 @@
 use super::cycle::{PHASES, Resonance, mesh_mode_at, running};
 use super::motions::energies;
 use super::{LoadedState, LoadedStateError, has_loads, loaded, settled};
-use gearbench_integrators::system::SecondOrderSystem;
+use gearbench_integrators::system::{SecondOrderSystem, State};
 use gearbench_models::gear::table::{Model, properties_of};
 use gearbench_models::scene::{Scene, StrainIn};
 use gearbench_models::spec::{ModelSpec, Modelling, SceneSpec};
-use gearbench_reports::record::{MeshMode, finite};
+use gearbench_reports::record::{GearMotion, MeshMode, finite};
 use std::f64::consts::TAU;
 
 /// Largest number of coordinates for which other studies compute the mesh mode: the work grows with the cube.
@@ -31,11 +31,16 @@ pub fn few_modes(gears: usize) -> usize {
     MODES.min((FEW / gears.max(1)).saturating_sub(HUB))
 }
 
-/// The mesh mode of a loaded scene in its equilibrium.
+/// A function that makes a motion of a mode from the state at rest and the displacement of the coordinates, for pages with
+/// moving gears.
+pub type ModeMotion<'a> = &'a dyn Fn(&SceneSpec, &mut Scene, &State, &[f64]) -> GearMotion;
+
+/// The mesh mode of a loaded scene in its equilibrium, with its motion if a function makes one.
 pub fn mesh_mode_of(
     label: &str,
-    scene: &mut Scene,
+    (spec, scene): (&SceneSpec, &mut Scene),
     found: Result<&LoadedState, &LoadedStateError>,
+    motion_of: Option<ModeMotion<'_>>,
 ) -> MeshMode {
     let none = |message: String| MeshMode {
         label: label.to_owned(),
@@ -69,17 +74,19 @@ pub fn mesh_mode_of(
         frequency_hz: finite(motion.omega / TAU),
         damping_ratio: motion.damped.and_then(|d| finite(d.ratio)),
         mesh_share: finite(share),
+        motion: motion_of.map(|of| of(spec, scene, &found.state, &motion.x)),
         ..MeshMode::default()
     }
 }
 
-/// Computes the mesh mode of a model of a scene, with its resonance over the cycle for at most so many coordinates;
-/// `None` if the scene has no loads.
+/// Computes the mesh mode of a model of a scene, with its resonance over the cycle for at most so many coordinates and
+/// with its motion if a function makes one; `None` if the scene has no loads.
 pub fn mesh_mode(
     label: &str,
     (scene, modelling): (&SceneSpec, &Modelling),
     models: &[Model],
     over_cycle: usize,
+    motion_of: Option<ModeMotion<'_>>,
 ) -> Option<MeshMode> {
     let spec = settled(scene);
     if !has_loads(&spec, 0.0) {
@@ -109,7 +116,7 @@ pub fn mesh_mode(
         }
         _ => loaded(&mut scene, true),
     };
-    let mode = mesh_mode_of(label, &mut scene, found.as_ref());
+    let mode = mesh_mode_of(label, (&spec, &mut scene), found.as_ref(), motion_of);
     let of_cycle = resonance(&mut scene, &spec, over_cycle);
     Some(with_resonance(mode, of_cycle))
 }

@@ -2,7 +2,7 @@
 
 use super::LoadedState;
 use super::damping::{Damped, damped};
-use gearbench_integrators::system::State;
+use gearbench_integrators::system::{SecondOrderSystem, State};
 use gearbench_models::scene::{LinearisedScene, Scene, StrainIn};
 use nalgebra::{DMatrix, DVector};
 use std::collections::BTreeMap;
@@ -21,6 +21,27 @@ pub struct Motion {
     pub damped: Option<Damped>,
     /// Mode shape over the coordinates, at unit modal mass.
     pub x: Vec<f64>,
+}
+
+/// Largest displacement at a flank of scaled mode shapes [m].
+const LARGEST: f64 = 1e-6;
+
+/// Returns a displacement of the coordinates scaled to a largest displacement at a flank of 1 um, that one positive.
+pub fn scaled(scene: &Scene, x: &[f64]) -> Vec<f64> {
+    let m = scene.magnitudes();
+    let (mut q, mut v) = (vec![0.0; x.len()], vec![0.0; x.len()]);
+    scene.scales(&mut q, &mut v);
+    let ways = x.iter().zip(&q).map(|(x, s)| x / s * m.deflection);
+    let largest = ways.fold(
+        0.0_f64,
+        |most, x| if x.abs() > most.abs() { x } else { most },
+    );
+    let scale = if largest == 0.0 {
+        0.0
+    } else {
+        LARGEST / largest
+    };
+    x.iter().map(|x| scale * x).collect()
 }
 
 impl LoadedState {

@@ -95,7 +95,7 @@ impl StatedDamping {
                 ))
                 .of_model()
             };
-            let found = mesh_mode("", (scene, &damped), models, 0)
+            let found = mesh_mode("", (scene, &damped), models, 0, None)
                 .ok_or_else(|| refused("no load acts in the scene"))?;
             match (found.frequency_hz, found.damping_ratio) {
                 (Some(f), Some(ratio)) => Ok((TAU * f, ratio)),
@@ -226,7 +226,7 @@ mod tests {
         let choice = file.model(label).unwrap();
         let spec = file.spec_for(choice);
         let of = (&spec, &choice.modelling);
-        let mode = mesh_mode(label, of, &file.context.models, 0).unwrap();
+        let mode = mesh_mode(label, of, &file.context.models, 0, None).unwrap();
         mode.damping_ratio
             .unwrap_or_else(|| panic!("{label}: {}", mode.message))
     }
@@ -282,7 +282,7 @@ mod tests {
             let file = with(&format!("rayleigh = [0.0, {beta}]"));
             let choice = file.model(label).unwrap();
             let of = (&file.spec_for(choice), &choice.modelling);
-            let mode = mesh_mode(label, of, &file.context.models, 0).unwrap();
+            let mode = mesh_mode(label, of, &file.context.models, 0, None).unwrap();
             let expected = 0.5 * beta * TAU * mode.frequency_hz.unwrap();
             let found = ratio(file, label);
             assert!((found / expected - 1.0).abs() < 0.01, "{label}: {found}");

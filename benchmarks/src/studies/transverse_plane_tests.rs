@@ -359,7 +359,7 @@ contact = { local = "half-space", damping = { law = "ratio-at-load", ratio = 0.0
     let all: Vec<Configuration> = (scene.models.iter())
         .map(|m| Configuration::of(&scene, m))
         .collect();
-    let modes = mesh_modes(&all, models(), &Runner::default()).unwrap();
+    let modes = mesh_modes(&all, models(), &Runner::default(), false).unwrap();
     println!("{modes:?}");
     let [rigid, elastic] = &modes[..] else {
         panic!("{modes:?}");

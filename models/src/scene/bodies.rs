@@ -84,7 +84,7 @@ impl Scene {
         Ok(found)
     }
 
-    /// Returns the frame of a gear's body at a state: origin and axes of the gear frame in space.
+    /// Returns the frame of a member at a state, a gear or a body without teeth: origin and axes of its own frame in space.
     pub fn pose(&mut self, at: StateView<'_>, gear: usize) -> Pose {
         let pose = self.with_carrier_state(at, |scene, carrier_state| {
             scene.carrier_frame_pose(carrier_state, gear)
@@ -112,7 +112,9 @@ impl Scene {
         let own = g.at(at);
         let hub = &g.model.hub().hub;
         let moved = g.model.hub_state(own).displacement;
-        Placement::new(hub, self.phases[gear]).pose_at(hub, own.t, own.q, moved)
+        // Bodies without teeth have no phase.
+        let phase = self.phases.get(gear).copied().unwrap_or(0.0);
+        Placement::new(hub, phase).pose_at(hub, own.t, own.q, moved)
     }
 
     /// Returns the nodes of a gear's body in the carrier-frame state.

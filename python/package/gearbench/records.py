@@ -1080,6 +1080,8 @@ class GearMotion(RecordBase):
 
     Attributes
     ----------
+    bearings : list[int]
+        Members on bearings, by their places in the list of paths.
     bodies : list[ToothedBody]
         The gears, in the order of the scene.
     contacts : FrameContacts
@@ -1087,21 +1089,30 @@ class GearMotion(RecordBase):
     meshes : list[tuple[int, int]]
         Gears of each mesh, by their places in the list of bodies.
     paths : list[BodyPath]
-        Poses of the gears, in the order of the scene.
+        Poses of the members: the gears in the order of the scene, and behind them the bodies
+        without teeth.
+    plain_bodies : list[PlainBody]
+        Bodies without teeth, in the order of the scene.
+    shafts : list[ShaftShape]
+        Shafts between members.
     teeth : list[ToothDisplacements]
         Displacements of teeth; of gears with rigid teeth there are none.
     time_s : FloatArray
-        Times of the frames, ascending [s].
+        Times of the frames, ascending [s]; empty for modes, whose frames are the state at rest
+        and the amplitudes.
     view : tuple[tuple[float, float, float], tuple[float, float, float], tuple[float, float, float]]
         Axes of a picture in space: to the right, upwards and towards the reader, those of the
         first gear at rest.
     """
 
     _arrays: ClassVar[tuple[str, ...]] = ("time_s",)
+    bearings: list[int] = field(default_factory=list)
     bodies: list[ToothedBody]
     contacts: FrameContacts
     meshes: list[tuple[int, int]]
     paths: list[BodyPath]
+    plain_bodies: list[PlainBody] = field(default_factory=list)
+    shafts: list[ShaftShape] = field(default_factory=list)
     teeth: list[ToothDisplacements] = field(default_factory=list)
     time_s: FloatArray
     view: tuple[tuple[float, float, float], tuple[float, float, float], tuple[float, float, float]]
@@ -1594,6 +1605,9 @@ class MeshMode(RecordBase):
         Share of its strain energy in the meshes [-].
     message : str
         Reason why the model has no mesh mode.
+    motion : GearMotion | None
+        The mode as a motion: the state at rest, and the amplitude; absent where a study shows
+        no moving gears of it.
     resonance_hz : float | None
         Resonance: root mean square of this frequency over the mesh cycle [Hz].
     resonance_range_hz : tuple[float, float] | None
@@ -1605,6 +1619,7 @@ class MeshMode(RecordBase):
     label: str
     mesh_share: float | None = None
     message: str = ""
+    motion: GearMotion | None = None
     resonance_hz: float | None = None
     resonance_range_hz: tuple[float, float] | None = None
 
@@ -1842,6 +1857,9 @@ class ModelModes(RecordBase):
         Reason why there are no frequencies, or a remark on them.
     modes : list[ModeRecord]
         Modes by frequency, rigid motions first.
+    motion : GearMotion | None
+        The first modes as a motion: frame 0 is the state of linearisation, frame k the
+        amplitude of mode k.
     residual_rel : float
         Largest residual of a mode over the size of the stiffness [-].
     springs : list[str]
@@ -1860,6 +1878,7 @@ class ModelModes(RecordBase):
     meshes: list[MeshState] = field(default_factory=list)
     message: str = ""
     modes: list[ModeRecord]
+    motion: GearMotion | None = None
     residual_rel: float
     springs: list[str]
     steps: int
@@ -2120,6 +2139,27 @@ class ParameterRecord(RecordBase):
     outcome: Outcome2
     unit: str
     value: float | None = None
+
+
+@dataclass(kw_only=True, repr=True)
+class PlainBody(RecordBase):
+    """Body without teeth on a shaft; a scene has no shape for it.
+
+    Attributes
+    ----------
+    inertia_kgm2 : float
+        Moment of inertia about its axis [kg m^2]; 0 for a mere place on the shaft, for example
+        that of a bearing.
+    name : str
+        Name of the body.
+    planets : list[int]
+        Planets whose axes rotate with the body, by their places in the list of bodies; empty
+        unless it is a carrier.
+    """
+
+    inertia_kgm2: float
+    name: str
+    planets: list[int] = field(default_factory=list)
 
 
 @dataclass(kw_only=True, repr=True)
@@ -2764,6 +2804,46 @@ class ShaftPath(RecordBase):
     between: tuple[str, str]
     power_w: float
     torque_nm: float
+
+
+@dataclass(kw_only=True, repr=True)
+class ShaftSection(RecordBase):
+    """Piece of a shaft with one cross-section.
+
+    Attributes
+    ----------
+    diameter_m : float | None
+        Outer diameter [m]; absent for a coupling.
+    length_m : float
+        Length [m].
+    """
+
+    diameter_m: float | None = None
+    length_m: float
+
+
+@dataclass(kw_only=True, repr=True)
+class ShaftShape(RecordBase):
+    """Shaft between members.
+
+    Attributes
+    ----------
+    members : list[int]
+        Members that it carries, by their places in the list of paths, in the order along the
+        shaft.
+    name : str
+        Name of the shaft.
+    places_m : FloatArray
+        Places of the members from the start of the shaft, ascending [m].
+    sections : list[ShaftSection]
+        Sections from the start of the shaft on; none for a rigid shaft, which has no diameter.
+    """
+
+    _arrays: ClassVar[tuple[str, ...]] = ("places_m",)
+    members: list[int]
+    name: str
+    places_m: FloatArray
+    sections: list[ShaftSection] = field(default_factory=list)
 
 
 @dataclass(kw_only=True, repr=True)

@@ -1,5 +1,6 @@
-// The viewer of moving gears: reads the motions of the page, draws them in a plane (canvas) or in space (gears3d.js),
-// and follows the time cursor of the page, the event "gearbench:time".
+// The viewer of moving gears: reads the motions of the page, draws them in a plane (canvas) or in space (gears3d.js), with shafts and
+// carriers (mechanism.js), and follows the time cursor of the page, the event "gearbench:time". Natural modes swing: the weight of
+// the amplitude is the magnification times the sine of the phase, and their time is the phase in periods.
 "use strict";
 (() => {
   const SOURCE = "gears";
@@ -82,7 +83,7 @@
       const held = sign * (c - rows[0]) > 1e-9 || foot >= half ? 1 : Math.max(0, (half - beyond) / (half - foot));
       // The order of the points of a rack is from +y to -y, that of a gear from -y to +y.
       const left = tip > 0 && beyond < tip ? 0.5 + 0.5 * (across(i) / tip) : across(i) > 0 ? 1 : 0;
-      out.push({ at, w: w.map((x) => x * (i === middle || held > 0 ? held : 0)), left });
+      out.push({ at, w: w.map((x) => x * (i === middle || held > 0 ? held : 0)), left, free: 1 - held });
     }
     return out;
   }
@@ -90,7 +91,10 @@
   /** A motion with functions of time. */
   function motionOf(raw, bodies) {
     const time = raw.time_s;
-    const frames = time.length;
+    const frames = raw.contacts.counts.length;
+    const modes = raw.modes || [];
+    // The mode that swings, from 1, and the magnification of its amplitude.
+    const swing = { mode: 1, by: 1 };
     const paths = raw.paths.map((p) => ({
       axes: p.axes,
       origin: p.origin_m,
@@ -106,6 +110,8 @@
       values.forEach((x) => { largest = Math.max(largest, Math.abs(x)); });
       teeth[t.body] = {
         ...t, values, each, ends: sums(t.counts), weights: flankWeights(bodies[t.body], t.rows_m),
+        // Where all teeth have displacements, so has the root between them.
+        isWhole: t.counts.some((n) => n === bodies[t.body].teeth),
       };
     });
     const c = raw.contacts;
@@ -121,6 +127,7 @@
 
     /** Frame before a time and the part of the way to the next one. */
     function place(t) {
+      if (modes.length) return [0, swing.mode, swing.by * Math.sin(2 * Math.PI * t)];
       let low = 0;
       let high = frames - 1;
       while (high - low > 1) {
@@ -135,7 +142,9 @@
     function pose(body, [i, j, w]) {
       const p = paths[body];
       const turn = mix(p.turn[i], p.turn[j], w);
-      const [x, y] = p.tilt ? [mix(p.tilt[2 * i], p.tilt[2 * j], w), mix(p.tilt[2 * i + 1], p.tilt[2 * j + 1], w)] : [0, 0];
+      const tilt = p.tilt ? [mix(p.tilt[2 * i], p.tilt[2 * j], w), mix(p.tilt[2 * i + 1], p.tilt[2 * j + 1], w)] : [0, 0];
+      // A magnified tilt is less than a right angle.
+      const [x, y] = tilt.map((a) => (a * 0.9) / Math.max(0.9, Math.hypot(...tilt)));
       const z = Math.sqrt(Math.max(0, 1 - x * x - y * y));
       const k = 1 / (1 + z);
       const base = [[1 - k * x * x, -k * x * y, -x], [-k * x * y, 1 - k * y * y, -y], [x, y, z]];
@@ -166,7 +175,25 @@
           for (let k = 0; k < t.each; k += 1) values[k] += weight * t.values[n * t.each + k];
         }
       });
+      if (t.isWhole) roots(t, bodies[body], found);
       return found;
+    }
+
+    /** Adds the displacements in the middle of tooth spaces, means of the feet on both sides, to those of teeth. */
+    function roots(t, body, found) {
+      const rows = 2 * t.rows_m.length;
+      const [s, o] = body.is_rack ? [0, 1] : [Math.sin(body.pitch), Math.cos(body.pitch)];
+      found.forEach((values, number) => {
+        values.root = new Float64Array(4 * t.heights_m.length);
+        t.heights_m.forEach((_, h) => [1, -1].forEach((sign, side) => {
+          const own = (2 * h + side) * rows;
+          const there = (2 * h + 1 - side) * rows;
+          const next = found.get((number + sign + body.teeth) % body.teeth) || values;
+          const [x, y] = [next[there], next[there + 1]];
+          values.root[4 * h + 2 * side] = 0.5 * (values[own] + o * x - sign * s * y);
+          values.root[4 * h + 2 * side + 1] = 0.5 * (values[own + 1] + sign * s * x + o * y);
+        }));
+      });
     }
 
     /** Contacts of one frame by pair and place within it. */
@@ -210,12 +237,14 @@
       byPair(touching([i, i, 0])).forEach((p) => { force = Math.max(force, Math.hypot(...p.force)); });
     });
     const load = contacts.loads.reduce((a, b) => Math.max(a, b), 0);
-    return { ...raw, bodies, time, frames, place, pose, displaced, touching, teeth, contacts, largest, force, load };
+    const made = { ...raw, modes, swing, bodies, time, frames, place, pose, displaced, touching, teeth, contacts, largest, force, load };
+    made.mechanism = window.gearbenchMechanism(made);
+    return made;
   }
 
   /** Adds the displacement at a point of a pitch, `scale` times as large, to the place (x, y) of the point. */
   function shifted(t, values, section, i, scale, place) {
-    const { at, w, left } = t.weights[i];
+    const { at, w, left, free } = t.weights[i];
     const rows = t.rows_m.length;
     const base = section * 4 * rows;
     for (let side = 0; side < 2; side += 1) {
@@ -225,6 +254,10 @@
         const n = base + side * 2 * rows + 2 * at[k];
         place[0] += scale * share * w[k] * values[n];
         place[1] += scale * share * w[k] * values[n + 1];
+      }
+      if (values.root && free > 0) {
+        place[0] += scale * share * free * values.root[4 * section + 2 * side];
+        place[1] += scale * share * free * values.root[4 * section + 2 * side + 1];
       }
     }
     return place;
@@ -272,8 +305,11 @@
     context.setTransform(1, 0, 0, 1, 0, 0);
     context.fillStyle = theme.paper;
     context.fillRect(0, 0, width, height);
+    const poses = motion.paths.map((_, m) => motion.pose(m, at));
+    motion.mechanism.below(context, poses, toScreen, scale, theme.carrier);
+    const isSwinging = motion.modes.length > 0;
     motion.bodies.forEach((body, b) => {
-      const pose = motion.pose(b, at);
+      const pose = poses[b];
       const flat = [0, 1].map((k) => [dot(pose.axes[k], right), dot(pose.axes[k], up)]);
       const origin = toScreen(pose.origin);
       const screen = (x, y) => [
@@ -286,7 +322,7 @@
       const points = body.sections[body.is_prism ? 0 : body.sections.length >> 1].points;
       const reach = 2 * body.pitch * (body.is_rack ? 1 : body.reach) * scale;
       /** Adds all teeth to the path, coarse ones outside the picture. */
-      const trace = (factor, only) => {
+      const trace = (factor, only, to = screen) => {
         let begun = false;
         for (let n = 0; n < body.teeth; n += 1) {
           const order = body.is_rack ? body.teeth - 1 - n : n;
@@ -296,13 +332,13 @@
           if (only && !values) { begun = false; continue; }
           const [s, o] = body.is_rack ? [0, 1] : [Math.sin(order * body.pitch), Math.cos(order * body.pitch)];
           const by = body.is_rack ? number * body.pitch : 0;
-          const tip = body.is_rack ? screen(points[body.each - 1], by) : screen(body.reach * o, body.reach * s);
+          const tip = body.is_rack ? to(points[body.each - 1], by) : to(body.reach * o, body.reach * s);
           const near = tip[0] > -reach && tip[0] < width + reach && tip[1] > -reach && tip[1] < height + reach;
           const step = near ? 1 : body.each - 1;
           for (let i = 0; i < body.each; i += step) {
             const place = [points[2 * i], points[2 * i + 1]];
             if (values && factor > 0) shifted(teeth, values, middle, i, factor, place);
-            const p = screen(o * place[0] - s * place[1], s * place[0] + o * place[1] + by);
+            const p = to(o * place[0] - s * place[1], s * place[0] + o * place[1] + by);
             if (begun) context.lineTo(p[0], p[1]); else context.moveTo(p[0], p[1]);
             begun = true;
           }
@@ -325,7 +361,22 @@
       context.lineJoin = "round";
       context.strokeStyle = theme.edge;
       context.stroke();
-      if (displaced && displaced.size && state.factor > 0) {
+      if (isSwinging) {
+        // The gear at rest.
+        const rest = motion.pose(b, [0, 0, 0]);
+        const there = toScreen(rest.origin);
+        const across = [0, 1].map((k) => [dot(rest.axes[k], right), dot(rest.axes[k], up)]);
+        const still = (x, y) => [
+          there[0] + (x * across[0][0] + y * across[1][0]) * scale, there[1] - (x * across[0][1] + y * across[1][1]) * scale,
+        ];
+        context.setLineDash([4 * ratio, 3 * ratio]);
+        context.lineWidth = ratio;
+        context.strokeStyle = theme.grey;
+        context.beginPath();
+        trace(0, false, still);
+        context.stroke();
+        context.setLineDash([]);
+      } else if (displaced && displaced.size && state.factor > 0) {
         context.setLineDash([4 * ratio, 3 * ratio]);
         context.lineWidth = ratio;
         context.strokeStyle = theme.grey;
@@ -335,6 +386,7 @@
         context.setLineDash([]);
       }
     });
+    motion.mechanism.above(context, poses, toScreen, scale, [theme.shaft, theme.edge], ratio, motion.view[2]);
     contacts.forEach((c) => {
       const f = [dot(c.force, right), dot(c.force, up)];
       const size = Math.hypot(...f) || 1;
@@ -385,6 +437,8 @@
       context.lineTo(neck[0] - barb * uy, neck[1] + barb * ux);
       context.lineTo(neck[0] + barb * uy, neck[1] - barb * ux);
       context.fill();
+      // Out of the picture there is nothing to label.
+      if (p[0] < 0 || p[1] < 0 || p[0] > context.canvas.width || p[1] > context.canvas.height) return;
       const text = `${quantity(size, "N")}, pair ${pair.teeth.join("-")}`;
       const wide = context.measureText(text).width;
       const x = Math.min(context.canvas.width - wide - 6 * ratio, Math.max(6 * ratio, tip[0] + 8 * ratio * (ux >= 0 ? 1 : -1) - (ux >= 0 ? 0 : wide)));
@@ -432,14 +486,18 @@
     const models = data.models.map((raw) => ({
       label: raw.label, integrator: raw.integrator, ink: raw.ink, motion: motionOf(raw, bodies[raw.bodies]),
     }));
-    const first = Math.min(...models.map((m) => m.motion.time[0]));
-    const last = Math.max(...models.map((m) => m.motion.time[m.motion.frames - 1]));
+    const isSwinging = models[0].motion.modes.length > 0;
+    // The time of modes is the phase in periods.
+    const first = isSwinging ? 0 : Math.min(...models.map((m) => m.motion.time[0]));
+    const last = isSwinging ? 1 : Math.max(...models.map((m) => m.motion.time[m.motion.frames - 1]));
+    const isCalm = window.matchMedia("(prefers-reduced-motion: reduce)");
     const span = last - first || 1;
     const pitch = models[0].motion.bodies[0];
     const state = {
       time: first + (data.start_s === undefined ? 0 : Math.min(span, Math.max(0, data.start_s - first))),
       playing: false,
-      seconds: 10,
+      seconds: isSwinging ? 2 : 10,
+      amplitude: 1,
       follow: false,
       mesh: 1,
       solid: data.spatial && window.gearbenchSolid !== undefined,
@@ -457,7 +515,31 @@
     const largest = Math.max(...models.map((m) => m.motion.largest));
     const round = (x) => { const p = 10 ** Math.floor(Math.log10(x)); return [5, 2, 1].find((m) => m * p <= x) * p; };
     const suggested = largest > 0 ? Math.max(1, round((0.09 * state.half) / largest)) : 1;
-    state.factor = suggested;
+    state.factor = isSwinging ? 1 : suggested;
+    models.forEach(({ motion }) => {
+      motion.swing.mode = 1 + Math.max(0, motion.modes.findIndex((m) => !m.is_rigid));
+    });
+    /** Middle and half width of all gears in the plane of the picture. */
+    const whole = (motion) => {
+      const [low, high] = [[Infinity, Infinity], [-Infinity, -Infinity]];
+      motion.bodies.forEach((b, i) => {
+        const { origin } = motion.pose(i, [0, 0, 0]);
+        const reach = b.is_rack ? 0.5 * b.pitch * b.teeth : b.is_internal ? b.back_m : b.reach;
+        [0, 1].forEach((k) => {
+          const x = dot(origin, motion.view[k]);
+          low[k] = Math.min(low[k], x - reach);
+          high[k] = Math.max(high[k], x + reach);
+        });
+      });
+      return { centre: [0, 1].map((k) => 0.5 * (low[k] + high[k])), half: 0.5 * Math.max(high[0] - low[0], high[1] - low[1]) };
+    };
+    const size0 = Math.max(...models.map((m) => whole(m.motion).half));
+    if (isSwinging) state.half = 1.08 * size0;
+    /** Magnification of the present mode of a model: its largest displacement is a part of the size of the scene. */
+    const magnified = ({ motion }) => {
+      const { largest_m: most } = motion.modes[motion.swing.mode - 1];
+      return state.amplitude * (most > 0 ? round((0.08 * size0) / most) : 1);
+    };
     const theme = {};
     const readTheme = () => {
       const style = getComputedStyle(root);
@@ -466,6 +548,7 @@
         paper: of("--paper"), ink: of("--ink"), grey: of("--grey"), edge: of("--gear-edge"),
         bodies: [of("--gear-a"), of("--gear-b")],
         solids: ["--solid-a", "--solid-b", "--solid-c"].map(of),
+        shaft: of("--shaft"), carrier: of("--carrier"), bearing: of("--bearing"),
       });
     };
 
@@ -493,17 +576,20 @@
       const between = [0, 1, 2].map((k) => 0.5 * (a[k] + b[k]));
       return [dot(between, motion.view[0]), dot(between, motion.view[1])];
     };
-    models.forEach((m) => { m.home = meshPoint(m.motion); m.centre = m.home; });
+    models.forEach((m) => { m.home = isSwinging ? whole(m.motion).centre : meshPoint(m.motion); m.centre = m.home; });
 
     const button = (text, label) => element("button", { type: "button", "aria-label": label }, text);
     const play = button("\u25b6 Play", "Play or pause the motion");
-    const back = button("\u25c0", "Frame before");
-    const next = button("\u25b6\u25b6", "Next frame");
-    const scrub = element("input", { type: "range", min: 0, max: 1000, step: "any", "aria-label": "Time" });
+    const back = button("\u25c0", isSwinging ? "Phase before" : "Frame before");
+    const next = button("\u25b6\u25b6", isSwinging ? "Next phase" : "Next frame");
+    const scrub = element("input", { type: "range", min: 0, max: 1000, step: "any", "aria-label": isSwinging ? "Phase" : "Time" });
     const clock = element("output", { class: "clock" });
     const option = (value, text, chosen) => element("option", { value, selected: chosen }, text);
     const speed = element("select", { "aria-label": "Speed" },
-      ...[[40, "\u00bc"], [20, "\u00bd"], [10, "1"], [5, "2"], [2.5, "4"]].map(([s, t]) => option(s, `speed ${t}`, s === 10)));
+      ...[[4, "\u00bc"], [2, "\u00bd"], [1, "1"], [0.5, "2"], [0.25, "4"]]
+        .map(([part, t]) => option(part * state.seconds, `speed ${t}`, part === 1)));
+    const amplitude = element("select", { "aria-label": "Amplitude of the drawn motion" },
+      ...[[0.25, "\u00bc"], [0.5, "\u00bd"], [1, "1"], [2, "2"], [4, "4"]].map(([k, t]) => option(k, `amplitude ${t}`, k === 1)));
     const scales = [...new Set([0, 1, ...[0.1, 0.5, 1, 2, 5].map((k) => round(Math.max(1, k * suggested)))])].sort((a, b) => a - b);
     const factor = element("select", { "aria-label": "Magnification of tooth displacements" },
       ...scales.map((k) => option(k, k === 0 ? "teeth not displaced" : `displacements \u00d7 ${k}`, k === suggested)));
@@ -513,21 +599,24 @@
     const home = element("button", { type: "button" }, "Reset view");
     const space = element("button", { type: "button", title: "Change between section and space" }, state.solid ? "Section" : "3D");
     const controls = element("div", { class: "controls", role: "group", "aria-label": "Motion of the gears" },
-      play, back, next, scrub, clock, speed, ...(largest > 0 ? [factor] : []),
-      element("label", {}, follow, " follow the contact"), wider, closer, home,
+      play, back, next, scrub, clock, speed,
+      ...(isSwinging ? [amplitude] : [...(largest > 0 ? [factor] : []), element("label", {}, follow, " follow the contact")]),
+      wider, closer, home,
       ...(window.gearbenchSolid ? [space] : []));
     const { meshes, bodies: gears } = models[0].motion;
     const mesh = element("select", { "aria-label": "Mesh in the middle of the view" },
       ...meshes.map(([a, b], i) => option(i + 1, `mesh ${gears[a].gear} - ${gears[b].gear}`, i === 0)));
-    if (meshes.length > 1) controls.append(mesh);
+    if (meshes.length > 1 && !isSwinging) controls.append(mesh);
     const shown = element("div", { class: "controls bodies" });
-    models[0].motion.bodies.forEach((body, i) => {
+    const hideable = models[0].motion.bodies.map((body, i) => [i, body.gear]);
+    if (models.some((m) => !m.motion.mechanism.isEmpty)) hideable.push(["mechanism", "shafts, carriers and bearings"]);
+    hideable.forEach(([key, name]) => {
       const box = element("input", { type: "checkbox", checked: true });
       box.addEventListener("change", () => {
-        if (box.checked) state.hidden.delete(i); else state.hidden.add(i);
+        if (box.checked) state.hidden.delete(key); else state.hidden.add(key);
         draw();
       });
-      shown.append(element("label", {}, box, ` ${body.gear}`));
+      shown.append(element("label", {}, box, ` ${name}`));
     });
     const panels = element("div", { class: "panels" });
     models.forEach((m, i) => {
@@ -537,9 +626,14 @@
       });
       const solid = element("canvas", { tabindex: 0, role: "img", "aria-label": `Moving gears of ${m.label} in space; arrow keys turn the view, plus and minus change its size` });
       const swatch = element("i", { style: `background:${m.ink}` });
-      const title = element("b", {}, swatch, ` ${m.label} (${m.integrator})`);
+      const title = element("b", {}, swatch, ` ${m.label}${m.integrator ? ` (${m.integrator})` : ""}`);
       const legend = element("span", { class: "load" });
-      panels.append(element("div", { class: "panel" }, title, canvas, solid, legend));
+      const { modes, swing } = m.motion;
+      const choice = element("select", { "aria-label": `Mode of ${m.label}` },
+        ...modes.map((mode, k) => option(k + 1, mode.name, k + 1 === swing.mode)));
+      choice.addEventListener("change", () => { swing.mode = Number(choice.value); draw(); });
+      const modeOf = modes.length > 1 ? [choice] : modes.map((mode) => element("span", { class: "load" }, mode.name));
+      panels.append(element("div", { class: "panel" }, title, ...modeOf, canvas, solid, legend));
       Object.assign(m, { canvas, solidCanvas: solid, legend, index: i });
       handle(m, canvas, false);
       handle(m, solid, true);
@@ -593,12 +687,13 @@
     }
     function paint() {
       scrub.value = (1000 * (state.time - first)) / span;
-      const text = quantity(state.time, "s");
+      const text = isSwinging ? `phase ${Math.round(360 * state.time)}\u00b0` : quantity(state.time, "s");
       scrub.setAttribute("aria-valuetext", text);
       clock.textContent = text;
       shown.hidden = !state.solid;
       models.forEach((m) => {
         const { motion } = m;
+        if (isSwinging) motion.swing.by = magnified(m);
         const at = motion.place(state.time);
         if (state.follow) m.centre = middle(motion, motion.touching(at).filter((c) => c.mesh === state.mesh)) || m.centre;
         let canvas = m.canvas;
@@ -614,6 +709,11 @@
         if (canvas.width !== w || canvas.height !== h) [canvas.width, canvas.height] = [w, h];
         if (canvas === m.canvas) drawPlane(canvas, m, state, theme);
         else m.solid.draw(state, m, theme);
+        if (isSwinging) {
+          const { largest_m: most } = motion.modes[motion.swing.mode - 1];
+          m.legend.textContent = `largest displacement ${quantity(most, "m")}, drawn \u00d7 ${motion.swing.by}`;
+          return;
+        }
         const contacts = motion.touching(at);
         const pressed = motion.contacts.value === "pressure";
         const now = contacts.reduce((a, c) => Math.max(a, c.load), 0);
@@ -626,19 +726,23 @@
     }
 
     function show(seconds, announce) {
-      state.time = Math.min(last, Math.max(first, seconds));
+      state.time = isSwinging && seconds > last ? seconds - Math.floor(seconds) : Math.min(last, Math.max(first, seconds));
       draw();
-      if (announce) {
+      if (announce && !isSwinging) {
         window.dispatchEvent(new CustomEvent("gearbench:time", { detail: { seconds: state.time, source: SOURCE } }));
       }
     }
     let before = 0;
+    let played = 0;
     function tick(now) {
       if (!state.playing) return;
       const by = before ? Math.min(0.1, (now - before) / 1000) : 0;
       before = now;
+      played += by / state.seconds;
       show(state.time + (span * by) / state.seconds, true);
-      if (state.time >= last) setPlaying(false); else requestAnimationFrame(tick);
+      // Modes swing on, but only for a period where the reader has asked for less motion.
+      if (isSwinging ? isCalm.matches && played >= 1 : state.time >= last) setPlaying(false);
+      else requestAnimationFrame(tick);
     }
     function setPlaying(on) {
       if (state.playing === on) return;
@@ -647,13 +751,19 @@
       play.setAttribute("aria-pressed", String(on));
       if (on) {
         if (state.time >= last) state.time = first;
-        before = 0;
+        [before, played] = [0, 0];
         requestAnimationFrame(tick);
       }
     }
     /** Moves to the frame of the first model before or after the present time. */
     function step(by) {
       setPlaying(false);
+      if (isSwinging) {
+        // Steps of 15 degrees, from the end of the period to its start.
+        const to = (Math.round(24 * state.time) + by + 24) % 24;
+        show(to / 24, false);
+        return;
+      }
       const { time } = models[0].motion;
       const slack = 1e-9 * span;
       const found = by > 0 ? time.find((t) => t > state.time + slack) : [...time].reverse().find((t) => t < state.time - slack);
@@ -664,6 +774,7 @@
     next.addEventListener("click", () => step(1));
     scrub.addEventListener("input", () => { setPlaying(false); show(first + (span * scrub.value) / 1000, true); });
     speed.addEventListener("change", () => { state.seconds = Number(speed.value); });
+    amplitude.addEventListener("change", () => { state.amplitude = Number(amplitude.value); draw(); });
     factor.addEventListener("change", () => { state.factor = Number(factor.value); draw(); });
     follow.addEventListener("change", () => {
       state.follow = follow.checked;
@@ -690,7 +801,7 @@
       draw();
     });
     window.addEventListener("gearbench:time", (e) => {
-      if (!e.detail || e.detail.source === SOURCE || !Number.isFinite(e.detail.seconds)) return;
+      if (isSwinging || !e.detail || e.detail.source === SOURCE || !Number.isFinite(e.detail.seconds)) return;
       setPlaying(false);
       show(e.detail.seconds, false);
     });

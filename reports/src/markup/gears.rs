@@ -1,11 +1,21 @@
 //! The viewer of moving gears in the page: its data and scripts. Without a script the page shows the still picture.
 
-use crate::record::{BodyPath, FrameContacts, GearMotion, ToothDisplacements, ToothedBody};
+use crate::drawing::canvas::Ink;
+use crate::drawing::style::curve_style;
+use crate::record::{
+    BodyPath, FrameContacts, GearMotion, PlainBody, ShaftShape, ToothDisplacements, ToothedBody,
+};
 use maud::{Markup, PreEscaped, html};
 use serde::Serialize;
 
 const GEARS: &str = include_str!("gears.js");
 const SOLID: &str = include_str!("gears3d.js");
+const MECHANISM: &str = include_str!("mechanism.js");
+
+/// Largest number of models next to each other.
+const MOST_MODELS: usize = 6;
+/// Largest size of the data of all models, in a plane and in space [bytes].
+const MOST_BYTES: [usize; 2] = [1_000_000, 3_000_000];
 
 /// Moving gears of some models, which the page shows in place of a chart.
 #[derive(Clone, Debug, PartialEq)]
@@ -22,12 +32,25 @@ pub struct Viewer {
 pub struct MovingModel<'a> {
     /// Label of the model.
     pub label: &'a str,
-    /// Name of the integrator.
+    /// Name of the integrator; empty for modes.
     pub integrator: &'a str,
-    /// Colour of the model in charts, `#RRGGBB`.
-    pub ink: String,
-    /// Motion of the run.
+    /// Number of its curve style in charts.
+    pub style: usize,
+    /// Motion of the run, or of modes.
     pub motion: &'a GearMotion,
+    /// The modes of the motion, in the order of its frames behind the first; empty for a run.
+    pub modes: Vec<MovingMode>,
+}
+
+/// A mode that the viewer offers.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct MovingMode {
+    /// Text of the list of modes.
+    pub name: String,
+    /// True of a motion without frequency.
+    pub is_rigid: bool,
+    /// Largest displacement of a point of the gears in the data \[m\].
+    pub largest_m: f64,
 }
 
 /// Data of a model as the script reads it.
@@ -35,13 +58,17 @@ pub struct MovingModel<'a> {
 struct ModelData<'a> {
     label: &'a str,
     integrator: &'a str,
-    ink: &'a str,
+    ink: String,
     /// Place of its list of bodies.
     bodies: usize,
     view: &'a [[f64; 3]; 3],
     time_s: &'a [f64],
     meshes: &'a [[usize; 2]],
     paths: &'a [BodyPath],
+    plain_bodies: &'a [PlainBody],
+    shafts: &'a [ShaftShape],
+    bearings: &'a [usize],
+    modes: &'a [MovingMode],
     teeth: &'a [ToothDisplacements],
     contacts: &'a FrameContacts,
 }
@@ -56,9 +83,61 @@ struct ViewerData<'a> {
     models: Vec<ModelData<'a>>,
 }
 
+/// Size of the data of a motion in the page, without its bodies [bytes].
+fn bytes(motion: &GearMotion) -> usize {
+    let of_teeth = motion
+        .teeth
+        .iter()
+        .map(|t| t.displacements_m.data.len() + 4 * t.teeth.len());
+    let of_paths = (motion.paths.iter()).map(|p| {
+        let further = [&p.shift_m, &p.tilt]
+            .into_iter()
+            .flatten()
+            .map(|q| q.data.len());
+        p.turn_rad.data.len() + further.sum::<usize>()
+    });
+    let c = &motion.contacts;
+    let of_contacts = [
+        &c.points_m,
+        &c.forces_n,
+        &c.widths_m,
+        &c.half_widths_m,
+        &c.values,
+    ];
+    of_teeth.sum::<usize>()
+        + of_paths.sum::<usize>()
+        + of_contacts.map(|q| q.data.len()).iter().sum::<usize>()
+        + 14 * c.meshes.len()
+        + 20 * motion.time_s.len()
+}
+
 impl Viewer {
+    /// Makes the viewer of as many models as a page can contain, beginning at a time \[s\] (of modes at a part of the
+    /// period); also returns the labels of the others. `None` without models.
+    pub fn fitting(
+        chart: &str,
+        models: Vec<MovingModel<'_>>,
+        start_s: f64,
+    ) -> Option<(Viewer, Vec<String>)> {
+        let mut shown: Vec<MovingModel<'_>> = Vec::new();
+        let (mut left_out, mut sum, mut spatial) = (Vec::new(), 0, false);
+        for model in models {
+            let in_space = spatial || model.motion.is_spatial();
+            let with = sum + bytes(model.motion);
+            let fits = shown.len() < MOST_MODELS && with <= MOST_BYTES[usize::from(in_space)];
+            if shown.is_empty() || fits {
+                (spatial, sum) = (in_space, with);
+                shown.push(model);
+            } else {
+                left_out.push(model.label.to_owned());
+            }
+        }
+        let viewer = || Viewer::new(chart, &shown, (spatial, start_s));
+        (!shown.is_empty()).then(|| (viewer(), left_out))
+    }
+
     /// Makes the viewer of models; it begins at a time \[s\], in space if `spatial`.
-    pub fn new(chart: &str, models: &[MovingModel<'_>], (spatial, start_s): (bool, f64)) -> Viewer {
+    fn new(chart: &str, models: &[MovingModel<'_>], (spatial, start_s): (bool, f64)) -> Viewer {
         let mut bodies: Vec<&[ToothedBody]> = Vec::new();
         let mut all = Vec::new();
         for m in models {
@@ -71,12 +150,19 @@ impl Viewer {
             all.push(ModelData {
                 label: m.label,
                 integrator: m.integrator,
-                ink: &m.ink,
+                ink: {
+                    let Ink(r, g, b, _) = curve_style(m.style).ink;
+                    format!("#{r:02x}{g:02x}{b:02x}")
+                },
                 bodies: place,
                 view: &m.motion.view,
                 time_s: &m.motion.time_s,
                 meshes: &m.motion.meshes,
                 paths: &m.motion.paths,
+                plain_bodies: &m.motion.plain_bodies,
+                shafts: &m.motion.shafts,
+                bearings: &m.motion.bearings,
+                modes: &m.modes,
                 teeth: &m.motion.teeth,
                 contacts: &m.motion.contacts,
             });
@@ -106,7 +192,7 @@ impl Viewer {
 
 /// Returns the scripts of the viewer.
 pub(super) fn scripts() -> Markup {
-    html! { script { (PreEscaped(SOLID)) (PreEscaped(GEARS)) } }
+    html! { script { (PreEscaped(MECHANISM)) (PreEscaped(SOLID)) (PreEscaped(GEARS)) } }
 }
 
 #[cfg(test)]
@@ -115,8 +201,8 @@ mod tests {
 
     #[test]
     fn scripts_are_small_and_without_addresses() {
-        let all = [GEARS, SOLID].concat();
-        assert!(all.len() < 60_000, "{} bytes", all.len());
+        let all = [GEARS, SOLID, MECHANISM].concat();
+        assert!(all.len() < 72_000, "{} bytes", all.len());
         for forbidden in [
             "http:",
             "https:",
@@ -135,8 +221,9 @@ mod tests {
         let model = MovingModel {
             label: "</script><b>",
             integrator: "rk4",
-            ink: "#000000".into(),
+            style: 0,
             motion: &motion,
+            modes: Vec::new(),
         };
         let viewer = Viewer::new("mesh.svg", &[model], (false, 0.0));
         assert!(!viewer.data.contains('<'));

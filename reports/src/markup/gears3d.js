@@ -140,14 +140,31 @@ window.gearbenchSolid = (() => {
     });
     const loose = gl.createBuffer();
 
-    // Middle and radius of the scene at the first frame.
-    const first = motion.place(motion.time[0]);
-    const poses = motion.bodies.map((_, b) => motion.pose(b, first));
-    const reach = motion.bodies.map((b) => (b.is_rack ? 0.5 * b.teeth * b.pitch : b.is_internal ? b.back_m : b.reach));
-    const low = [0, 1, 2].map((k) => Math.min(...poses.map((p, b) => p.origin[k] - reach[b])));
-    const high = [0, 1, 2].map((k) => Math.max(...poses.map((p, b) => p.origin[k] + reach[b])));
-    const middle = [0, 1, 2].map((k) => 0.5 * (low[k] + high[k]));
-    const radius = Math.max(...poses.map((p, b) => Math.hypot(...[0, 1, 2].map((k) => p.origin[k] - middle[k])) + reach[b]));
+    // Places with a radius at the first frame, each with a member: gears, and what shafts have beyond them.
+    const start = motion.paths.map((_, m) => motion.pose(m, [0, 0, 0]));
+    const places = [
+      ...motion.bodies.map((b, m) => [start[m].origin, b.is_rack ? 0.5 * b.teeth * b.pitch : b.is_internal ? b.back_m : b.reach, m]),
+      ...motion.mechanism.extent(start),
+    ];
+    /** First member of those that meshes, shafts and carriers join with each member. */
+    const joined = start.map((_, m) => m);
+    [...motion.meshes, ...motion.mechanism.joints].forEach((members) => members.forEach((m) => {
+      const [from, to] = [joined[m], joined[members[0]]];
+      joined.forEach((k, n) => { if (k === from) joined[n] = to; });
+    }));
+    const framings = new Map();
+    /** Middle and radius of the gears that are joined with those of a mesh, or of all for mesh 0. */
+    function framing(mesh) {
+      const key = mesh ? joined[motion.meshes[mesh - 1][0]] : -1;
+      if (!framings.has(key)) {
+        const own = places.filter(([, , m]) => !mesh || joined[m] === key);
+        const middle = [0, 1, 2].map((k) => 0.5 * (Math.min(...own.map(([o, r]) => o[k] - r)) + Math.max(...own.map(([o, r]) => o[k] + r))));
+        framings.set(key, { own, middle });
+      }
+      return framings.get(key);
+    }
+    const everything = framing(0);
+    const radius = Math.max(...places.map(([o, r]) => Math.hypot(...[0, 1, 2].map((k) => o[k] - everything.middle[k])) + r));
 
     function draw(state, model, theme) {
       const place = motion.place(state.time);
@@ -161,6 +178,7 @@ window.gearbenchSolid = (() => {
         const [x, z] = [cy * p[0] + sy * p[2], cy * p[2] - sy * p[0]];
         return [x, cp * p[1] + sp * -z, sp * p[1] + cp * z];
       };
+      const { own: framed, middle } = framing(motion.modes.length ? 0 : state.mesh);
       let focus = middle;
       if (state.follow) {
         const own = contacts.filter((c) => c.mesh === state.mesh);
@@ -173,11 +191,11 @@ window.gearbenchSolid = (() => {
       const centre = turned(focus);
       const scene = new Float32Array([...ex, 0, ...ey, 0, ...ez, 0, -centre[0], -centre[1], -centre[2], 1]);
       const aspect = canvas.width / canvas.height;
-      // All gears fit into the picture; with the contact in the middle it shows some teeth.
-      const fit = [0, 1].map((k) => 1.03 * Math.max(...poses.map((p, b) => Math.abs(turned(p.origin)[k] - turned(middle)[k]) + reach[b])));
+      // All gears that are joined fit into the picture; with the contact in the middle it shows some teeth.
+      const fit = [0, 1].map((k) => 1.03 * Math.max(...framed.map(([o, r]) => Math.abs(turned(o)[k] - turned(middle)[k]) + r)));
       const whole = aspect >= 1 ? Math.max(fit[1], fit[0] / aspect) : Math.max(fit[0], fit[1] * aspect);
       const half = (state.follow ? 1.9 * state.half : whole) / state.zoom;
-      const toClip = new Float32Array([1 / (half * Math.max(1, aspect)), 0, 0, 0, 0, 1 / (half / Math.min(1, aspect)), 0, 0, 0, 0, -0.25 / radius, 0, 0, 0, 0, 1]);
+      const toClip = new Float32Array([1 / (half * Math.max(1, aspect)), 0, 0, 0, 0, 1 / (half / Math.min(1, aspect)), 0, 0, 0, 0, -0.2 / radius, 0, 0, 0, 0, 1]);
       gl.viewport(0, 0, canvas.width, canvas.height);
       const paper = hex(theme.paper);
       gl.clearColor(...paper, 1);
@@ -212,9 +230,6 @@ window.gearbenchSolid = (() => {
           gl.drawElements(gl.TRIANGLES, shape.count, gl.UNSIGNED_SHORT, 0);
         }
       });
-      // Contacts lie between two flanks: they are drawn over the gears.
-      gl.disable(gl.DEPTH_TEST);
-      gl.uniform1f(at.shaded, 0);
       gl.uniformMatrix4fv(at.toView, false, scene);
       const fill = (points, ink) => {
         gl.bindBuffer(gl.ARRAY_BUFFER, loose);
@@ -223,6 +238,15 @@ window.gearbenchSolid = (() => {
         gl.uniform4f(at.ink, ...ink, 1);
         gl.drawArrays(gl.TRIANGLES, 0, points.length / 3);
       };
+      if (!state.hidden.has("mechanism") && !motion.mechanism.isEmpty) {
+        const parts = motion.mechanism.solid(motion.paths.map((_, m) => motion.pose(m, place)));
+        fill(parts.turning, hex(theme.shaft));
+        fill(parts.carriers, hex(theme.carrier));
+        fill(parts.bearings, hex(theme.bearing));
+      }
+      // Contacts lie between two flanks: they are drawn over the gears.
+      gl.disable(gl.DEPTH_TEST);
+      gl.uniform1f(at.shaded, 0);
       const pixel = (2 * half) / Math.min(canvas.width, canvas.height) * Math.min(2, window.devicePixelRatio || 1);
       // The direction to the reader, in space.
       const sight = [ex[2], ey[2], ez[2]];

@@ -44,6 +44,9 @@ impl Results {
             &self.measured,
             crate::measured::MeasuredCurve::validate,
         )?;
+        each("mesh_modes", &self.mesh_modes, |m| {
+            (m.motion.as_ref()).map_or(Ok(()), |motion| motion.validate())
+        })?;
         for reference in &self.references {
             for series in reference.all_series() {
                 (series.validate()).map_err(|e| format!("reference {}: {e}", reference.id))?;

@@ -1,5 +1,6 @@
 //! The record of mesh modes: natural frequency and damping ratio of each model of a scene.
 
+use super::GearMotion;
 use crate::numbers::{quantity, short};
 use serde::{Deserialize, Serialize};
 
@@ -30,6 +31,9 @@ pub struct MeshMode {
     /// Share of its strain energy in the meshes [-].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mesh_share: Option<f64>,
+    /// The mode as a motion: the state at rest, and the amplitude; absent where a study shows no moving gears of it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub motion: Option<GearMotion>,
     /// Reason why the model has no mesh mode.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub message: String,

@@ -26,8 +26,8 @@ pub use mesh_force::MeshForce;
 pub(crate) use mesh_mode::damping_to_text;
 pub use mesh_mode::{MeshMode, damping_differs};
 pub use motion::{
-    BodyPath, BodySection, FrameContacts, FramePose, GearMotion, OUTLINE, ToothDisplacements,
-    ToothedBody,
+    BodyPath, BodySection, FrameContacts, FramePose, GearMotion, OUTLINE, PlainBody, ShaftSection,
+    ShaftShape, ToothDisplacements, ToothedBody,
 };
 pub use paths::{MemberPath, MeshPath, PlanetShare, ShaftPath, Sharing, TorquePaths};
 pub use picture::{

@@ -8,6 +8,10 @@
 //!
 //! with the axes `A` at the start, as columns, and the least rotation `T` that moves the axis of the gear to the
 //! direction `(tilt_x, tilt_y, sqrt(1 - tilt^2))` in these axes.
+//!
+//! Natural modes have the same record without times: frame 0 is the state at rest, and each further frame the amplitude of
+//! one mode. With the weight `w = sin(omega t)` times a magnification, turn, shift, tilt and displacements of the teeth are
+//! `w` times those of the frame.
 
 use super::checks::{each, same_length};
 use super::{FlankValue, Quantised};
@@ -22,10 +26,19 @@ pub struct GearMotion {
     pub view: [[f64; 3]; 3],
     /// The gears, in the order of the scene.
     pub bodies: Vec<ToothedBody>,
-    /// Times of the frames, ascending \[s\].
+    /// Times of the frames, ascending \[s\]; empty for modes, whose frames are the state at rest and the amplitudes.
     pub time_s: Vec<f64>,
-    /// Poses of the gears, in the order of the scene.
+    /// Poses of the members: the gears in the order of the scene, and behind them the bodies without teeth.
     pub paths: Vec<BodyPath>,
+    /// Bodies without teeth, in the order of the scene.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub plain_bodies: Vec<PlainBody>,
+    /// Shafts between members.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub shafts: Vec<ShaftShape>,
+    /// Members on bearings, by their places in the list of paths.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub bearings: Vec<usize>,
     /// Displacements of teeth; of gears with rigid teeth there are none.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub teeth: Vec<ToothDisplacements>,
@@ -33,6 +46,48 @@ pub struct GearMotion {
     pub meshes: Vec<[usize; 2]>,
     /// Contacts with their forces.
     pub contacts: FrameContacts,
+}
+
+/// Body without teeth on a shaft; a scene has no shape for it.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[serde(default)]
+pub struct PlainBody {
+    /// Name of the body.
+    pub name: String,
+    /// Moment of inertia about its axis \[kg m^2\]; 0 for a mere place on the shaft, for example that of a bearing.
+    pub inertia_kgm2: f64,
+    /// Planets whose axes rotate with the body, by their places in the list of bodies; empty unless it is a carrier.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub planets: Vec<usize>,
+}
+
+/// Shaft between members.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[serde(default)]
+pub struct ShaftShape {
+    /// Name of the shaft.
+    pub name: String,
+    /// Members that it carries, by their places in the list of paths, in the order along the shaft.
+    pub members: Vec<usize>,
+    /// Places of the members from the start of the shaft, ascending \[m\].
+    pub places_m: Vec<f64>,
+    /// Sections from the start of the shaft on; none for a rigid shaft, which has no diameter.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub sections: Vec<ShaftSection>,
+}
+
+/// Piece of a shaft with one cross-section.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[serde(default)]
+pub struct ShaftSection {
+    /// Length \[m\].
+    pub length_m: f64,
+    /// Outer diameter \[m\]; absent for a coupling.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub diameter_m: Option<f64>,
 }
 
 /// Toothed body in its own frame, as one pitch of its outline in sections across the axis.
@@ -202,15 +257,27 @@ impl BodyPath {
     /// # Errors
     /// Its numbers cannot be read.
     pub fn poses(&self) -> Result<Vec<FramePose>, String> {
+        self.magnified(1.0)
+    }
+
+    /// Returns the poses at all frames with `factor` times their motion from the first frame.
+    ///
+    /// # Errors
+    /// Its numbers cannot be read.
+    pub fn magnified(&self, factor: f64) -> Result<Vec<FramePose>, String> {
         let turns = self.turn_rad.values()?;
         let of = |q: &Option<Quantised>, n: usize| match q {
             Some(q) => q.values(),
             None => Ok(vec![0.0; n * turns.len()]),
         };
         let (shifts, tilts) = (of(&self.shift_m, 3)?, of(&self.tilt, 2)?);
+        let start = turns.first().copied().unwrap_or(0.0);
         let pose = |(i, turn): (usize, &f64)| {
-            let base = least_rotation([tilts[2 * i], tilts[2 * i + 1]]);
-            let (sin, cos) = turn.sin_cos();
+            let tilt = [tilts[2 * i], tilts[2 * i + 1]].map(|x| factor * x);
+            // A magnified tilt is less than a right angle.
+            let part = MOST_TILT / tilt[0].hypot(tilt[1]).max(MOST_TILT);
+            let base = least_rotation(tilt.map(|x| part * x));
+            let (sin, cos) = (start + factor * (turn - start)).sin_cos();
             let own = [
                 [0, 1, 2].map(|k| cos * base[0][k] + sin * base[1][k]),
                 [0, 1, 2].map(|k| cos * base[1][k] - sin * base[0][k]),
@@ -222,13 +289,17 @@ impl BodyPath {
             };
             FramePose {
                 axes: own.map(|axis| start.turn(axis)),
-                origin_m: [0, 1, 2].map(|k| self.origin_m[k] + shifts[3 * i + k]),
+                origin_m: [0, 1, 2].map(|k| self.origin_m[k] + factor * shifts[3 * i + k]),
             }
         };
         Ok(turns.iter().enumerate().map(pose).collect())
     }
 }
 
+/// Largest sine of the tilt of an axis in a magnified motion.
+const MOST_TILT: f64 = 0.9;
+/// Displacement of an axis beyond which it is part of the picture, for example that of a planet [m].
+const WANDERS: f64 = 1e-3;
 /// Resolution of places, angles and outlines: invisible at any magnification of a picture.
 const SHIFT: f64 = 1e-9;
 const TURN: f64 = 1e-8;
@@ -328,19 +399,118 @@ impl GearMotion {
         self.bodies.iter().all(|b| b.is_prism) && self.paths.iter().all(parallel)
     }
 
+    /// True if gears are seen best in space: axes are not parallel, teeth are not straight, gears are inside one another,
+    /// planets wander, or, of modes, bodies without teeth move with the gears.
+    pub fn is_spatial(&self) -> bool {
+        let wanders = self.paths.iter().any(|p| {
+            let moved = (p.shift_m.as_ref()).map_or(0.0, |q| q.step * 2f64.powi(q.bits.into()));
+            moved > WANDERS
+        });
+        let turns = |b: &PlainBody| b.inertia_kgm2 > 0.0 && b.planets.is_empty();
+        !self.is_plane()
+            || self.bodies.iter().any(|b| b.is_internal)
+            || (wanders && self.bodies.len() > 2)
+            || (self.is_of_modes() && self.plain_bodies.iter().any(turns))
+    }
+
+    /// Returns the largest displacement of a point of the gears from frame 0 to another, at least that of bodies without
+    /// teeth at half the radius of the smallest gear, as they are drawn \[m\].
+    ///
+    /// # Errors
+    /// Its numbers cannot be read.
+    pub fn largest_displacement(&self, frame: usize) -> Result<f64, String> {
+        let mut largest: f64 = 0.0;
+        let mut reaches = Vec::new();
+        for body in &self.bodies {
+            let points = body.points_m.values()?;
+            let reach = points.chunks_exact(2).map(|p| p[0].hypot(p[1]));
+            reaches.push(match body.is_rack {
+                true => 0.0,
+                false => reach.fold(0.0, f64::max),
+            });
+        }
+        let smallest = (reaches.iter().copied().filter(|r| *r > 0.0)).fold(f64::INFINITY, f64::min);
+        let drawn = if smallest.is_finite() {
+            0.5 * smallest
+        } else {
+            0.0
+        };
+        reaches.resize(self.paths.len(), drawn);
+        for (path, reach) in self.paths.iter().zip(reaches) {
+            let of = |q: &Option<Quantised>, n: usize| -> Result<f64, String> {
+                let Some(q) = q else { return Ok(0.0) };
+                let all = q.values()?;
+                let own = all.get(n * frame..n * (frame + 1)).unwrap_or_default();
+                Ok(own.iter().map(|x| x * x).sum::<f64>().sqrt())
+            };
+            let turns = path.turn_rad.values()?;
+            let turn = (turns.get(frame).zip(turns.first())).map_or(0.0, |(a, b)| (a - b).abs());
+            let moved = of(&path.shift_m, 3)? + reach * (turn + of(&path.tilt, 2)?);
+            largest = largest.max(moved);
+        }
+        for teeth in &self.teeth {
+            let each = teeth.heights_m.len() * teeth.rows_m.len() * 4;
+            let before: usize = teeth.counts.iter().take(frame).sum();
+            let own = teeth.counts.get(frame).copied().unwrap_or(0);
+            let all = teeth.displacements_m.values()?;
+            let own = all.get(before * each..(before + own) * each);
+            let sizes = own
+                .unwrap_or_default()
+                .chunks_exact(2)
+                .map(|d| d[0].hypot(d[1]));
+            largest = sizes.fold(largest, f64::max);
+        }
+        Ok(largest)
+    }
+
     /// Returns the place of the frame that is nearest to a time \[s\].
     pub fn nearest(&self, time: f64) -> Option<usize> {
         let off = |i: &usize| (self.time_s[*i] - time).abs();
         (0..self.time_s.len()).min_by(|a, b| off(a).total_cmp(&off(b)))
     }
 
+    /// Returns the number of frames.
+    pub fn frames(&self) -> usize {
+        self.contacts.counts.len()
+    }
+
+    /// True for natural modes: frame 0 is the state at rest, and each further frame the amplitude of a mode.
+    pub fn is_of_modes(&self) -> bool {
+        self.time_s.is_empty() && self.frames() > 0
+    }
+
     /// Checks the lengths of its lists and the ranges of its numbers.
-    pub(super) fn validate(&self) -> Result<(), String> {
-        let frames = self.time_s.len();
+    pub(crate) fn validate(&self) -> Result<(), String> {
+        let frames = self.frames();
         if !self.time_s.windows(2).all(|t| t[0] < t[1]) {
             return Err("time_s is not ascending".into());
         }
-        same_length("paths", self.paths.len(), "bodies", self.bodies.len())?;
+        if !self.is_of_modes() {
+            same_length("contacts.counts", frames, "time_s", self.time_s.len())?;
+        }
+        let members = self.bodies.len() + self.plain_bodies.len();
+        same_length(
+            "paths",
+            self.paths.len(),
+            "bodies and plain_bodies",
+            members,
+        )?;
+        each("plain_bodies", &self.plain_bodies, |b| {
+            match b.planets.iter().all(|p| *p < self.bodies.len()) {
+                true => Ok(()),
+                false => Err("has a planet that is no body".into()),
+            }
+        })?;
+        each("shafts", &self.shafts, |s| {
+            same_length("places_m", s.places_m.len(), "members", s.members.len())?;
+            match s.members.iter().all(|m| *m < members) {
+                true => Ok(()),
+                false => Err("has a member without a path".into()),
+            }
+        })?;
+        if self.bearings.iter().any(|m| *m >= members) {
+            return Err("bearings has a member without a path".into());
+        }
         each("bodies", &self.bodies, |b| {
             if !(1..=MOST_TEETH).contains(&b.teeth) || b.heights_m.is_empty() {
                 return Err(format!(
@@ -376,7 +546,7 @@ impl GearMotion {
             if t.body >= self.bodies.len() || t.rows_m.len() < 2 || t.heights_m.is_empty() {
                 return Err("has no body, fewer than 2 `rows_m` or no `heights_m`".into());
             }
-            same_length("counts", t.counts.len(), "time_s", frames)?;
+            same_length("counts", t.counts.len(), "the frames", frames)?;
             same_length("teeth", t.teeth.len(), "the sum of counts", sum(&t.counts))?;
             let n = t.teeth.len() * t.heights_m.len() * t.rows_m.len() * 4;
             (t.displacements_m.validate(n)).map_err(|e| format!("displacements_m {e}"))
@@ -387,7 +557,6 @@ impl GearMotion {
         if !c.meshes.iter().all(known) || bodies.clone().any(|b| *b >= self.bodies.len()) {
             return Err("contacts.meshes or `meshes` has the number of no mesh or no body".into());
         }
-        same_length("contacts.counts", c.counts.len(), "time_s", frames)?;
         let n = sum(&c.counts);
         same_length("contacts.meshes", c.meshes.len(), "the sum of counts", n)?;
         same_length("contacts.teeth", c.teeth.len(), "the sum of counts", n)?;

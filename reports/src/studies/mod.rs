@@ -10,6 +10,7 @@ pub mod coupling;
 pub mod identify;
 mod mesh_modes;
 pub mod modes;
+mod moving_modes;
 pub mod precision;
 pub mod response;
 pub mod run_up;
@@ -229,6 +230,12 @@ pub fn report(results: &Results) -> Result<StudyReport, DrawError> {
     let mesh_modes = mesh_modes::tables(&results.mesh_modes);
     report.tables = maud::html! { (report.tables) (mesh_modes) };
     report.csv.extend(mesh_modes::csv(&results.mesh_modes));
+    if report.viewer.is_none()
+        && let Some((still, viewer)) = moving_modes::of_mesh_modes(&results.mesh_modes)?
+    {
+        report.charts.push(still);
+        report.viewer = Some(viewer);
+    }
     let (measured, charts) = measured::report(&results.measured, &report.csv)?;
     report.tables = maud::html! { (report.tables) (measured) };
     report.charts.extend(charts);

@@ -333,7 +333,7 @@ fn motions_in_space_have_a_still_picture_and_broken_ones_are_refused() {
         (motion(|m| m.bodies[0].teeth = 0), "0 `teeth`"),
         (
             motion(|m| m.bodies[1].points_m.data.truncate(7)),
-            "multiple of 4",
+            "not base64",
         ),
         (
             motion(|m| m.paths[0].turn_rad.bits = 8),

@@ -1,8 +1,11 @@
 //! Reports of natural frequencies.
 
-use crate::{finding, has_only_numbers, holds, written};
+use crate::{finding, has_only_numbers, holds, made_up, written};
 use gearbench_reports::modes::{
     LinearisedState, MemberPlace, MemberShape, MeshState, ModeRecord, ModelModes, ModesRecord,
+};
+use gearbench_reports::record::{
+    FrameContacts, GearMotion, MeshMode, PlainBody, Quantised, ShaftShape,
 };
 use gearbench_reports::{Part, Results};
 
@@ -106,4 +109,125 @@ fn natural_frequencies_are_told_with_where_their_energy_lies() {
     );
     assert_eq!(files["modes_shapes.csv"].lines().count(), 1 + 3 * 2);
     assert_eq!(files["modes_energy.csv"].lines().count(), 1 + 3 * 2 + 2 * 2);
+}
+
+/// The motion of the pair of `of_models`: at rest, and two modes.
+fn moving() -> Results {
+    let mut results = of_models();
+    let Part::Modes(part) = &mut results.part else {
+        unreachable!("modes")
+    };
+    let none = || Quantised::of(&[], 0.0);
+    part.vibrations[0].motion = Some(GearMotion {
+        time_s: Vec::new(),
+        contacts: FrameContacts {
+            counts: vec![0; 3],
+            points_m: none(),
+            forces_n: none(),
+            widths_m: none(),
+            half_widths_m: none(),
+            values: none(),
+            ..FrameContacts::default()
+        },
+        ..made_up::motion(0.0)
+    });
+    results
+}
+
+/// Modes with a motion are in the viewer, with their names and largest displacements; a third one without a frame is not.
+#[test]
+fn modes_with_a_motion_move() {
+    let files = written(&moving());
+    let page = &files["index.html"];
+    let data = page
+        .split_once("<script type=\"application/json\">")
+        .unwrap()
+        .1;
+    let data = data.split_once("</script>").unwrap().0;
+    let data: serde_json::Value = serde_json::from_str(data).unwrap();
+    let modes = data["models"][0]["modes"].as_array().unwrap();
+    let names: Vec<&str> = modes.iter().map(|m| m["name"].as_str().unwrap()).collect();
+    assert_eq!(
+        names,
+        ["1: rigid motion", "2: 177.3\u{a0}Hz, torsion of <output>"]
+    );
+    assert_eq!(
+        [&modes[0]["is_rigid"], &modes[1]["is_rigid"]],
+        [true, false]
+    );
+    // The second gear, with a reach of 64 mm, turns by 1.2 mrad; the first, of 44 mm, by 2 mrad.
+    let largest = modes[1]["largest_m"].as_f64().unwrap();
+    assert!((largest - 0.044 * 2e-3).abs() < 1e-9, "{largest}");
+    assert_eq!(data["start_s"], 0.25);
+    assert!(page.contains("Of rigid the first 2 modes move."), "caption");
+    assert!(files["modes_moving.svg"].matches("<polygon").count() > 100);
+    let still = written(&of_models());
+    assert!(
+        !still.contains_key("modes_moving.svg") && !still["index.html"].contains("class=\"gears\"")
+    );
+}
+
+/// The mesh mode of any study moves on its page.
+#[test]
+fn mesh_modes_with_a_motion_move() {
+    let Part::Modes(part) = moving().part else {
+        unreachable!("modes")
+    };
+    let mut motion = part.vibrations[0].motion.clone().unwrap();
+    motion.contacts.counts.truncate(2);
+    for path in &mut motion.paths {
+        path.turn_rad = Quantised::of(&[0.0, 1e-3], 1e-9);
+    }
+    motion.teeth.clear();
+    let results = Results {
+        mesh_modes: vec![MeshMode {
+            label: "rigid".into(),
+            frequency_hz: Some(4321.5),
+            motion: Some(motion),
+            ..MeshMode::default()
+        }],
+        ..of_models()
+    };
+    let page = &written(&results)["index.html"];
+    assert!(page.contains("mesh mode, 4.322\u{a0}kHz"));
+}
+
+#[test]
+fn motions_of_modes_that_break_their_rules_are_refused() {
+    let broken = |change: fn(&mut GearMotion)| {
+        let mut results = moving();
+        let Part::Modes(part) = &mut results.part else {
+            unreachable!("modes")
+        };
+        part.vibrations[0].motion.as_mut().map(change);
+        results.validate().unwrap_err()
+    };
+    for (error, expected) in [
+        (
+            broken(|m| m.time_s = vec![0.0, 1.0, 2.0]),
+            "3 times and 3 frames",
+        ),
+        (broken(|m| m.contacts.counts.push(0)), "numbers, expected 4"),
+        (broken(|m| m.bearings = vec![2]), "bearings has a member"),
+        (
+            broken(|m| m.plain_bodies = vec![PlainBody::default()]),
+            "paths has 2 entries, expected 3",
+        ),
+        (
+            broken(|m| {
+                m.shafts = vec![ShaftShape {
+                    members: vec![0, 5],
+                    places_m: vec![0.0, 0.1],
+                    ..ShaftShape::default()
+                }];
+            }),
+            "shafts[0].has a member without a path",
+        ),
+    ] {
+        assert!(
+            error.contains("motion.") || error.contains("motion has"),
+            "{error}"
+        );
+        assert!(error.contains(expected), "{error}");
+    }
 }

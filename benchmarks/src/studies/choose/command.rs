@@ -127,7 +127,7 @@ fn damping_of(
             ..Configuration::of(scene, any)
         })
         .collect();
-    mesh_modes(&entries, &problem.context.models, &problem.runner).map_err(Refusal::from)
+    mesh_modes(&entries, &problem.context.models, &problem.runner, false).map_err(Refusal::from)
 }
 
 /// Returns the references under the scene's own conditions, with which the yardstick is compared. If they cannot be

@@ -34,7 +34,13 @@ impl MeshModeDamping {
     pub fn of(problem: &Problem, details: &Details) -> Option<MeshModeDamping> {
         let modes = few_modes(problem.scene.gears.len());
         let judge = elastic(details.judge(), modes, None);
-        let mode = mesh_mode("", (&problem.scene, &judge), &problem.context.models, 0)?;
+        let mode = mesh_mode(
+            "",
+            (&problem.scene, &judge),
+            &problem.context.models,
+            0,
+            None,
+        )?;
         let (frequency, ratio) = (mode.frequency_hz?, mode.damping_ratio?);
         Some(MeshModeDamping {
             ratio,
@@ -56,6 +62,7 @@ impl MeshModeDamping {
                 (&problem.scene, &with(factor)),
                 &problem.context.models,
                 0,
+                None,
             )?
             .damping_ratio
         };

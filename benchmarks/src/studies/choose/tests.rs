@@ -283,7 +283,7 @@ fn derived_levels_have_the_damping_of_the_mesh_mode() {
         assert_eq!(p.fixed.len(), 4);
         for f in &p.fixed {
             let mode =
-                mesh_mode("", (&f.scene, &f.modelling), &s.context.models, 0).expect("loads");
+                mesh_mode("", (&f.scene, &f.modelling), &s.context.models, 0, None).expect("loads");
             let ratio = mode.damping_ratio.expect("a ratio");
             let what = f.level.name();
             assert!((ratio / judge.ratio - 1.0).abs() < 1e-3, "{what}: {ratio}");

@@ -185,7 +185,12 @@ pub fn compare(plan: &Plan, runner: &Runner<'_>) -> Result<Results, RunError> {
         return Err(e);
     }
     runner.report_progress(runs.len(), plan.len(), "report");
-    let mesh_modes = mesh_modes(&plan.entries, &plan.conditions.context.models, runner)?;
+    let mesh_modes = mesh_modes(
+        &plan.entries,
+        &plan.conditions.context.models,
+        runner,
+        false,
+    )?;
     Ok(Results {
         mesh_modes,
         settings: [plan.conditions.settings.clone(), found].concat(),

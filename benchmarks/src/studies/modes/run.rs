@@ -4,9 +4,10 @@ use super::plan::Plan;
 use super::shares::{name, name_of, shape, shares};
 use crate::experiment::error::StudyError;
 use crate::experiment::key::Key;
+use crate::experiment::motion::motion_of_modes;
 use crate::experiment::runner::Runner;
 use crate::small_signals::mesh_mode::{FEW, mesh_mode_of, resonance, with_resonance};
-use crate::small_signals::motions::{Energies, Motion, SLACK, energies};
+use crate::small_signals::motions::{Energies, Motion, SLACK, energies, scaled};
 use crate::small_signals::{LoadedState, LoadedStateError, MOST, has_loads, loaded, settled};
 use gearbench_integrators::system::SecondOrderSystem;
 use gearbench_models::error::{BuildError, Fault};
@@ -19,9 +20,6 @@ use gearbench_reports::modes::{
 };
 use gearbench_reports::record::{MeshMode, Part, Results};
 use std::f64::consts::TAU;
-
-/// Largest displacement at a flank of the shapes in the record [m].
-const WAY: f64 = 1e-6;
 
 /// Range and grouping of the natural frequencies that are listed for a model.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -80,7 +78,7 @@ fn analysed(
         n if n > MOST => Err(LoadedStateError::TooLarge(n)),
         _ => loaded(&mut scene, loads),
     };
-    let mesh_mode = loads.then(|| mesh_mode_of(label, &mut scene, found.as_ref()));
+    let mesh_mode = loads.then(|| mesh_mode_of(label, (&spec, &mut scene), found.as_ref(), None));
     match found {
         Ok(found) => fill(&mut record, &mut scene, &spec, (&found, loads), wanted),
         Err(why) => {
@@ -192,6 +190,11 @@ fn fill(
     springs.sort_unstable();
     springs.dedup();
     record.springs = springs.iter().map(|s| name_of(*s, scene, spec)).collect();
+    let shapes: Vec<Vec<f64>> = (motions.iter())
+        .map(|m| scaled(scene, &m.first.x))
+        .collect();
+    record.motion =
+        (!shapes.is_empty()).then(|| motion_of_modes(spec, scene, &found.state, &shapes));
     record.modes = (motions.into_iter())
         .map(|m| listed(scene, found, (&springs, &record.springs), &m))
         .collect();
@@ -212,17 +215,7 @@ fn listed(
     };
     let kinetic = shares(&energies.kinetic);
     let own: f64 = energies.kinetic.iter().sum();
-    // The largest way, with its sign.
-    let m = scene.magnitudes();
-    let (mut q, mut v) = (vec![0.0; motion.x.len()], vec![0.0; motion.x.len()]);
-    scene.scales(&mut q, &mut v);
-    let ways = motion.x.iter().zip(&q).map(|(x, s)| x / s * m.deflection);
-    let largest = ways.fold(
-        0.0_f64,
-        |most, x| if x.abs() > most.abs() { x } else { most },
-    );
-    let scale = if largest == 0.0 { 0.0 } else { WAY / largest };
-    let x: Vec<f64> = motion.x.iter().map(|x| scale * x).collect();
+    let x = scaled(scene, &motion.x);
     let mut shape = shape(scene, &found.state, &x);
     for (s, energy) in shape.iter_mut().zip(&energies.own) {
         s.own = if own > 0.0 { energy / own } else { 0.0 };

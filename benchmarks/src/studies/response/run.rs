@@ -233,7 +233,7 @@ pub fn study(plan: &Plan, runner: &Runner<'_>) -> Result<Results, StudyError> {
     runner.report_progress(plan.entries.len(), plan.entries.len(), "report");
     let part = ResponseRecord { responses };
     Ok(Results {
-        mesh_modes: mesh_modes(&plan.entries, &plan.conditions.context.models, runner)?,
+        mesh_modes: mesh_modes(&plan.entries, &plan.conditions.context.models, runner, true)?,
         ..plan.conditions.record(Part::Response(part))
     })
 }

@@ -132,7 +132,7 @@ pub fn study(
     Ok((
         Results {
             tolerance: Some(plan.tolerance.clone()),
-            mesh_modes: mesh_modes(&plan.entries, &plan.conditions.context.models, runner)?,
+            mesh_modes: mesh_modes(&plan.entries, &plan.conditions.context.models, runner, true)?,
             ..plan
                 .conditions
                 .record(Part::Stability(StabilityRecord { maps }))

@@ -194,7 +194,7 @@ pub fn sweep(plan: &Plan, runner: &Runner<'_>) -> Result<Results, StudyError> {
     runner.report_progress(runs.len(), total, "report");
     runs.extend(refused);
     let entries = plan.entries.iter().chain(&plan.standing);
-    let mesh_modes = mesh_modes(entries, &plan.conditions.context.models, runner)?;
+    let mesh_modes = mesh_modes(entries, &plan.conditions.context.models, runner, true)?;
     Ok(Results {
         mesh_modes,
         runs,

@@ -1,6 +1,6 @@
 //! Picture of the meshing teeth at peak force, with the contact forces.
 
-use super::motion::{is_spatial, still};
+use super::motion::still;
 use super::solid;
 use crate::drawing::Chart;
 use crate::drawing::axis::nice_step;
@@ -67,7 +67,7 @@ pub fn mesh(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
     let width = (WIDTH - GAP * (n - 1.0)) / n;
     let plot_height = if n > 1.0 { 400.0 } else { 430.0 };
     let title = "Meshing teeth at peak force";
-    if let Some(motion) = pictures[0].run.motion.as_ref().filter(|m| is_spatial(m)) {
+    if let Some(motion) = pictures[0].run.motion.as_ref().filter(|m| m.is_spatial()) {
         return in_space(&pictures[0], motion, title).map(Some);
     }
     let svg = draw(WIDTH, plot_height + 30.0, title, |c| {
@@ -146,7 +146,7 @@ fn in_space(p: &Picture<'_>, motion: &GearMotion, title: &str) -> Result<Chart, 
             Type::new(13.5, Anchor::Start).bold(),
         );
         c.fill(&area, Ink::WHITE);
-        solid::paint(c, motion, (frame, curve_style(p.style).ink), &area);
+        solid::paint(c, motion, (frame, 1.0, curve_style(p.style).ink), &area);
         c.frame(&area, Stroke::new(Ink::PALE, 1.0));
     })?;
     Ok(Chart {

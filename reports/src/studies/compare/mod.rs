@@ -12,7 +12,7 @@ pub(super) mod meshes;
 mod motion;
 pub(super) mod paths;
 mod pressure;
-mod solid;
+pub(super) mod solid;
 mod teeth;
 mod timing;
 mod transmission;

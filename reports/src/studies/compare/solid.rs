@@ -190,10 +190,16 @@ fn widened(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
     points.iter().map(moved).collect()
 }
 
-/// Paints the gears of a motion at a frame into an area; arrows have the colour `ink`.
-pub fn paint(c: &mut Canvas, motion: &GearMotion, (frame, ink): (usize, Ink), area: &Rect) {
+/// Paints the gears of a motion at a frame, with `factor` times their motion from the first frame, into an area; arrows have
+/// the colour `ink`.
+pub fn paint(
+    c: &mut Canvas,
+    motion: &GearMotion,
+    (frame, factor, ink): (usize, f64, Ink),
+    area: &Rect,
+) {
     let poses: Option<Vec<FramePose>> = (motion.paths.iter())
-        .map(|p| p.poses().ok()?.get(frame).copied())
+        .map(|p| p.magnified(factor).ok()?.get(frame).copied())
         .collect();
     let Some(poses) = poses else { return };
     let mut faces = Vec::new();

@@ -1,7 +1,7 @@
 //! The record of natural frequencies: the state of linearisation, frequencies, shapes and energies of the modes.
 
-use crate::record::Results;
 use crate::record::checks::{each, same_length};
+use crate::record::{GearMotion, Results};
 use crate::studies::Part;
 use crate::words::words;
 use serde::{Deserialize, Serialize};
@@ -72,11 +72,25 @@ pub struct ModelModes {
     pub springs: Vec<String>,
     /// Modes by frequency, rigid motions first.
     pub modes: Vec<ModeRecord>,
+    /// The first modes as a motion: frame 0 is the state of linearisation, frame k the amplitude of mode k.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub motion: Option<GearMotion>,
 }
 
 impl ModelModes {
     /// Checks the lengths of its lists.
     pub(crate) fn validate(&self) -> Result<(), String> {
+        if let Some(motion) = &self.motion {
+            motion.validate().map_err(|e| format!("motion.{e}"))?;
+            if !motion.is_of_modes() || motion.frames() > self.modes.len() + 1 {
+                return Err(format!(
+                    "motion has {} times and {} frames, expected no times, and at most one frame for each of {} modes and one at rest",
+                    motion.time_s.len(),
+                    motion.frames(),
+                    self.modes.len()
+                ));
+            }
+        }
         each("modes", &self.modes, |m| {
             let (members, springs) = (self.members.len(), self.springs.len());
             same_length("kinetic", m.kinetic.len(), "members", members)?;

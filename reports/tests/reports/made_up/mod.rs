@@ -232,6 +232,7 @@ pub fn motion(helix: f64) -> GearMotion {
             value: FlankValue::Pressure,
             values: of(&[5e8]),
         },
+        ..GearMotion::default()
     }
 }
 
