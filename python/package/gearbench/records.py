@@ -3390,6 +3390,9 @@ class CompareResult(StudyResult):
         Commit of gearbench, with a mark when the tree had changes.
     created : str
         Time of the study (RFC 3339), as given by the caller.
+    further : list[StudyResult]
+        Records of the further scenes of a study of several scenes, in the order of its command,
+        each as the study of that scene alone has it.
     machine : Machine | None
         Computer the times were measured on.
     measured : list[MeasuredCurve]
@@ -3424,6 +3427,7 @@ class CompareResult(StudyResult):
     command: str = ""
     commit: str = ""
     created: str = ""
+    further: list[StudyResult] = field(default_factory=list)
     machine: Machine | None = None
     measured: list[MeasuredCurve] = field(default_factory=list)
     mesh_modes: list[MeshMode] = field(default_factory=list)
@@ -3452,6 +3456,9 @@ class PrecisionResult(StudyResult):
         Commit of gearbench, with a mark when the tree had changes.
     created : str
         Time of the study (RFC 3339), as given by the caller.
+    further : list[StudyResult]
+        Records of the further scenes of a study of several scenes, in the order of its command,
+        each as the study of that scene alone has it.
     machine : Machine | None
         Computer the times were measured on.
     measured : list[MeasuredCurve]
@@ -3483,6 +3490,7 @@ class PrecisionResult(StudyResult):
     command: str = ""
     commit: str = ""
     created: str = ""
+    further: list[StudyResult] = field(default_factory=list)
     machine: Machine | None = None
     measured: list[MeasuredCurve] = field(default_factory=list)
     mesh_modes: list[MeshMode] = field(default_factory=list)
@@ -3510,6 +3518,9 @@ class StabilityResult(StudyResult):
         Commit of gearbench, with a mark when the tree had changes.
     created : str
         Time of the study (RFC 3339), as given by the caller.
+    further : list[StudyResult]
+        Records of the further scenes of a study of several scenes, in the order of its command,
+        each as the study of that scene alone has it.
     machine : Machine | None
         Computer the times were measured on.
     measured : list[MeasuredCurve]
@@ -3541,6 +3552,7 @@ class StabilityResult(StudyResult):
     command: str = ""
     commit: str = ""
     created: str = ""
+    further: list[StudyResult] = field(default_factory=list)
     machine: Machine | None = None
     measured: list[MeasuredCurve] = field(default_factory=list)
     mesh_modes: list[MeshMode] = field(default_factory=list)
@@ -3568,6 +3580,9 @@ class ChooseResult(StudyResult):
         Commit of gearbench, with a mark when the tree had changes.
     created : str
         Time of the study (RFC 3339), as given by the caller.
+    further : list[StudyResult]
+        Records of the further scenes of a study of several scenes, in the order of its command,
+        each as the study of that scene alone has it.
     machine : Machine | None
         Computer the times were measured on.
     measured : list[MeasuredCurve]
@@ -3599,6 +3614,7 @@ class ChooseResult(StudyResult):
     command: str = ""
     commit: str = ""
     created: str = ""
+    further: list[StudyResult] = field(default_factory=list)
     machine: Machine | None = None
     measured: list[MeasuredCurve] = field(default_factory=list)
     mesh_modes: list[MeshMode] = field(default_factory=list)
@@ -3626,6 +3642,9 @@ class CheckResult(StudyResult):
         Commit of gearbench, with a mark when the tree had changes.
     created : str
         Time of the study (RFC 3339), as given by the caller.
+    further : list[StudyResult]
+        Records of the further scenes of a study of several scenes, in the order of its command,
+        each as the study of that scene alone has it.
     machine : Machine | None
         Computer the times were measured on.
     measured : list[MeasuredCurve]
@@ -3665,6 +3684,7 @@ class CheckResult(StudyResult):
     command: str = ""
     commit: str = ""
     created: str = ""
+    further: list[StudyResult] = field(default_factory=list)
     machine: Machine | None = None
     measured: list[MeasuredCurve] = field(default_factory=list)
     mesh_modes: list[MeshMode] = field(default_factory=list)
@@ -3696,6 +3716,9 @@ class TruncationResult(StudyResult):
         Commit of gearbench, with a mark when the tree had changes.
     created : str
         Time of the study (RFC 3339), as given by the caller.
+    further : list[StudyResult]
+        Records of the further scenes of a study of several scenes, in the order of its command,
+        each as the study of that scene alone has it.
     machine : Machine | None
         Computer the times were measured on.
     measured : list[MeasuredCurve]
@@ -3725,6 +3748,7 @@ class TruncationResult(StudyResult):
     command: str = ""
     commit: str = ""
     created: str = ""
+    further: list[StudyResult] = field(default_factory=list)
     machine: Machine | None = None
     measured: list[MeasuredCurve] = field(default_factory=list)
     mesh_modes: list[MeshMode] = field(default_factory=list)
@@ -3751,6 +3775,9 @@ class SweepResult(StudyResult):
         Commit of gearbench, with a mark when the tree had changes.
     created : str
         Time of the study (RFC 3339), as given by the caller.
+    further : list[StudyResult]
+        Records of the further scenes of a study of several scenes, in the order of its command,
+        each as the study of that scene alone has it.
     machine : Machine | None
         Computer the times were measured on.
     measured : list[MeasuredCurve]
@@ -3782,6 +3809,7 @@ class SweepResult(StudyResult):
     command: str = ""
     commit: str = ""
     created: str = ""
+    further: list[StudyResult] = field(default_factory=list)
     machine: Machine | None = None
     measured: list[MeasuredCurve] = field(default_factory=list)
     mesh_modes: list[MeshMode] = field(default_factory=list)
@@ -3809,6 +3837,9 @@ class IdentifyResult(StudyResult):
         Commit of gearbench, with a mark when the tree had changes.
     created : str
         Time of the study (RFC 3339), as given by the caller.
+    further : list[StudyResult]
+        Records of the further scenes of a study of several scenes, in the order of its command,
+        each as the study of that scene alone has it.
     machine : Machine | None
         Computer the times were measured on.
     measured : list[MeasuredCurve]
@@ -3843,6 +3874,7 @@ class IdentifyResult(StudyResult):
     command: str = ""
     commit: str = ""
     created: str = ""
+    further: list[StudyResult] = field(default_factory=list)
     machine: Machine | None = None
     measured: list[MeasuredCurve] = field(default_factory=list)
     mesh_modes: list[MeshMode] = field(default_factory=list)
@@ -3871,6 +3903,9 @@ class ModesResult(StudyResult):
         Commit of gearbench, with a mark when the tree had changes.
     created : str
         Time of the study (RFC 3339), as given by the caller.
+    further : list[StudyResult]
+        Records of the further scenes of a study of several scenes, in the order of its command,
+        each as the study of that scene alone has it.
     machine : Machine | None
         Computer the times were measured on.
     measured : list[MeasuredCurve]
@@ -3902,6 +3937,7 @@ class ModesResult(StudyResult):
     command: str = ""
     commit: str = ""
     created: str = ""
+    further: list[StudyResult] = field(default_factory=list)
     machine: Machine | None = None
     measured: list[MeasuredCurve] = field(default_factory=list)
     mesh_modes: list[MeshMode] = field(default_factory=list)
@@ -3929,6 +3965,9 @@ class ResponseResult(StudyResult):
         Commit of gearbench, with a mark when the tree had changes.
     created : str
         Time of the study (RFC 3339), as given by the caller.
+    further : list[StudyResult]
+        Records of the further scenes of a study of several scenes, in the order of its command,
+        each as the study of that scene alone has it.
     machine : Machine | None
         Computer the times were measured on.
     measured : list[MeasuredCurve]
@@ -3960,6 +3999,7 @@ class ResponseResult(StudyResult):
     command: str = ""
     commit: str = ""
     created: str = ""
+    further: list[StudyResult] = field(default_factory=list)
     machine: Machine | None = None
     measured: list[MeasuredCurve] = field(default_factory=list)
     mesh_modes: list[MeshMode] = field(default_factory=list)
@@ -3987,6 +4027,9 @@ class CouplingResult(StudyResult):
         Commit of gearbench, with a mark when the tree had changes.
     created : str
         Time of the study (RFC 3339), as given by the caller.
+    further : list[StudyResult]
+        Records of the further scenes of a study of several scenes, in the order of its command,
+        each as the study of that scene alone has it.
     machine : Machine | None
         Computer the times were measured on.
     measured : list[MeasuredCurve]
@@ -4018,6 +4061,7 @@ class CouplingResult(StudyResult):
     command: str = ""
     commit: str = ""
     created: str = ""
+    further: list[StudyResult] = field(default_factory=list)
     machine: Machine | None = None
     measured: list[MeasuredCurve] = field(default_factory=list)
     mesh_modes: list[MeshMode] = field(default_factory=list)
@@ -4045,6 +4089,9 @@ class RunUpResult(StudyResult):
         Commit of gearbench, with a mark when the tree had changes.
     created : str
         Time of the study (RFC 3339), as given by the caller.
+    further : list[StudyResult]
+        Records of the further scenes of a study of several scenes, in the order of its command,
+        each as the study of that scene alone has it.
     machine : Machine | None
         Computer the times were measured on.
     measured : list[MeasuredCurve]
@@ -4076,6 +4123,7 @@ class RunUpResult(StudyResult):
     command: str = ""
     commit: str = ""
     created: str = ""
+    further: list[StudyResult] = field(default_factory=list)
     machine: Machine | None = None
     measured: list[MeasuredCurve] = field(default_factory=list)
     mesh_modes: list[MeshMode] = field(default_factory=list)
@@ -4103,6 +4151,9 @@ class StiffnessResult(StudyResult):
         Commit of gearbench, with a mark when the tree had changes.
     created : str
         Time of the study (RFC 3339), as given by the caller.
+    further : list[StudyResult]
+        Records of the further scenes of a study of several scenes, in the order of its command,
+        each as the study of that scene alone has it.
     machine : Machine | None
         Computer the times were measured on.
     measured : list[MeasuredCurve]
@@ -4134,6 +4185,7 @@ class StiffnessResult(StudyResult):
     command: str = ""
     commit: str = ""
     created: str = ""
+    further: list[StudyResult] = field(default_factory=list)
     machine: Machine | None = None
     measured: list[MeasuredCurve] = field(default_factory=list)
     mesh_modes: list[MeshMode] = field(default_factory=list)
@@ -4161,6 +4213,9 @@ class ScanResult(StudyResult):
         Commit of gearbench, with a mark when the tree had changes.
     created : str
         Time of the study (RFC 3339), as given by the caller.
+    further : list[StudyResult]
+        Records of the further scenes of a study of several scenes, in the order of its command,
+        each as the study of that scene alone has it.
     machine : Machine | None
         Computer the times were measured on.
     measured : list[MeasuredCurve]
@@ -4216,6 +4271,7 @@ class ScanResult(StudyResult):
     command: str = ""
     commit: str = ""
     created: str = ""
+    further: list[StudyResult] = field(default_factory=list)
     machine: Machine | None = None
     measured: list[MeasuredCurve] = field(default_factory=list)
     mesh_modes: list[MeshMode] = field(default_factory=list)
@@ -4254,6 +4310,9 @@ class TabularResult(StudyResult):
         Commit of gearbench, with a mark when the tree had changes.
     created : str
         Time of the study (RFC 3339), as given by the caller.
+    further : list[StudyResult]
+        Records of the further scenes of a study of several scenes, in the order of its command,
+        each as the study of that scene alone has it.
     machine : Machine | None
         Computer the times were measured on.
     measured : list[MeasuredCurve]
@@ -4297,6 +4356,7 @@ class TabularResult(StudyResult):
     command: str = ""
     commit: str = ""
     created: str = ""
+    further: list[StudyResult] = field(default_factory=list)
     machine: Machine | None = None
     measured: list[MeasuredCurve] = field(default_factory=list)
     mesh_modes: list[MeshMode] = field(default_factory=list)

@@ -98,7 +98,7 @@ pub fn counts<'w, 'a: 'w>(ways: impl IntoIterator<Item = &'w TruncationVariant<'
 /// Returns the report of a study of mode counts.
 pub(super) fn report(view: &View<'_>) -> Result<StudyReport, DrawError> {
     let mut charts = charts::truncation(view)?;
-    charts.extend(histories::force(view)?);
+    charts.extend(histories::force(std::slice::from_ref(view))?);
     Ok(StudyReport {
         finding: tables::finding(view),
         tables: tables::tables(view),
