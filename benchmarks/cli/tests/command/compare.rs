@@ -256,7 +256,7 @@ fn scenes_are_swept_in_one_report() {
     let loaded = include_str!("../../../scenes/loaded_mesh.toml");
     let other = with_another_name("loaded_mesh", "other", loaded);
     folder.write("other.toml", &other);
-    let of = "--models rigid --points 2 --cycles 2 --branches up --out here";
+    let of = "--models rigid --points 2 --cycles 2 --from 500 --to 800 --branches up --out here";
     let said = folder.says(&format!("sweep loaded_mesh other.toml {of}"));
     has(&said, &["scene loaded_mesh:", "scene other:"]);
     super::as_documented(&folder.at("here"));
