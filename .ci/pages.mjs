@@ -108,7 +108,7 @@ const charts = (page) =>
 // Values of the charts of histories at some times against the histories of the record.
 async function valuesAgainstRecord(page, folder) {
   const record = JSON.parse(readFileSync(join(folder, "results.json"), "utf8"));
-  const all = [...(record.references || []), ...record.runs].flatMap((r) => [r.series, ...(r.further || [])]).filter((s) => s && s.time_s);
+  const all = [record, ...(record.further || [])].flatMap((r) => [...r.references, ...r.runs]).flatMap((r) => [r.series, ...(r.further || [])]).filter((s) => s && s.time_s);
   const columns = { "contact force": /^contact_force.*_n$/ };
   let checked = 0;
   for (const chart of (await charts(page)).filter((c) => c.time && /^Contact force|^Angular/.test(c.name))) {
@@ -407,6 +407,7 @@ try {
     }
     const moving = await movingGears(page, { name, folder, file, out });
     if (moving) done.push(moving);
+    done.push(...(await touched(page, folder)));
     await printed(page, name);
     quiet();
     await page.close();
@@ -417,4 +418,130 @@ try {
   }
 } finally {
   await browser.close();
+}
+
+// What is left of a chart under pointer and keys: limits stay in sight while it is zoomed, points are read, maps of values
+// move by keys and name the lines at their cursor, and scenes over each other have names and rows of their own. Returns
+// the names of the checks that the page had something for.
+async function touched(page, folder) {
+  const done = [];
+  const box = (id) => page.evaluate((id) => {
+    const readout = document.getElementById(id).closest("figure").querySelector(".readout");
+    if (readout.hidden) return null;
+    return { head: readout.querySelector("b").textContent, about: (readout.querySelector(".about") || {}).textContent || "" };
+  }, id);
+  const focus = (id) => page.evaluate((id) => document.getElementById(id).focus(), id);
+
+  // Limits: a line within each zoomed panel, with its name, at its value or at the edge next to it.
+  const limited = await page.$$eval("svg.panels:has(.limit path)", (all) => all.map((s) => s.id));
+  for (const id of limited) {
+    const limits = () => page.evaluate((id) => [...document.getElementById(id).querySelectorAll(".panel")].flatMap((panel) => {
+      const [, y0, , y1] = panel.dataset.area.split(" ").map(Number);
+      return [...panel.querySelectorAll(":scope > .limit")].map((limit) => {
+        const path = limit.querySelector("path");
+        const at = Number(/^M-?\d+ (-?\d+)/.exec(path.getAttribute("d"))[1]) / 1000;
+        const text = limit.querySelector("text");
+        return { seen: getComputedStyle(path).display !== "none" && at >= y0 - 0.5 && at <= y1 + 0.5, at, text: text ? text.textContent : "" };
+      });
+    }), id);
+    const before = await limits();
+    await focus(id);
+    for (const key of ["ArrowRight", "+", "+"]) await page.keyboard.press(key);
+    const zoomed = await limits();
+    assert.ok(zoomed.length > 0 && zoomed.every((l) => l.seen), `${folder}, ${id}: ${JSON.stringify(zoomed)}`);
+    assert.ok(zoomed.every((l, i) => l.text.endsWith(before[i].text)), JSON.stringify(zoomed));
+    await page.keyboard.press("Home");
+    assert.deepEqual(await limits(), before);
+  }
+  if (limited.length) done.push(`${limited.length} charts with limits`);
+
+  // Points: keys and pointer read the same text, and the zoom keeps the lines between them.
+  const scattered = await page.$$eval("svg.panels:has(.panel > .point)", (all) => all.map((s) => s.id));
+  for (const id of scattered) {
+    await focus(id);
+    await page.keyboard.press("ArrowRight");
+    const first = await box(id);
+    assert.match(first.head, /\d.* in \d|\d.*: .*\d/, `${id}: ${first.head}`);
+    await page.keyboard.press("ArrowRight");
+    const place = await page.evaluate((id) => {
+      const svg = document.getElementById(id);
+      svg.scrollIntoView({ block: "center" });
+      const ring = svg.querySelector(".ring");
+      const at = new DOMPoint(10 * ring.getAttribute("cx"), 10 * ring.getAttribute("cy")).matrixTransform(svg.getScreenCTM());
+      return [at.x, at.y];
+    }, id);
+    const second = await box(id);
+    await page.mouse.move(...place);
+    assert.equal((await box(id)).head, second.head, `${folder}, ${id}`);
+    const guides = () => page.$$eval(`#${id} .guide > path`, (all) => all.map((p) => p.getAttribute("d")).join());
+    const whole = await guides();
+    await focus(id);
+    await page.keyboard.press("+");
+    assert.ok(!whole || (await guides()) !== whole, `${id}: lines between points do not zoom`);
+    await page.keyboard.press("Home");
+    assert.equal(await guides(), whole);
+  }
+  if (scattered.length) done.push(`${scattered.length} charts of points`);
+
+  // Maps of values: keys move a cursor, which names the order or the natural frequency that it is on.
+  const valued = await page.$$eval("svg[id^=map-]:has(.map):not(:has(.row))", (all) => all.map((s) => s.id));
+  let rays = 0;
+  for (const id of valued) {
+    await focus(id);
+    await page.keyboard.press("ArrowRight");
+    const first = await box(id);
+    await page.keyboard.press("ArrowUp");
+    const second = await box(id);
+    assert.match(first.head, /^(below|above|\S+ to) /, first.head);
+    assert.match(first.about, /^speed.*, (frequency|order)/);
+    assert.notEqual(first.about, second.about);
+    const spoken = await page.evaluate(() => document.querySelector(".live").textContent);
+    assert.ok(spoken.startsWith(second.head), spoken);
+    const named = await page.evaluate((id) => {
+      const svg = document.getElementById(id);
+      svg.scrollIntoView({ block: "center" });
+      const [x0, y0, x1, y1] = svg.querySelector(".map").dataset.area.split(" ").map(Number);
+      for (const ray of svg.querySelectorAll(".ray")) {
+        const path = ray.querySelector("path");
+        if (!path) continue;
+        const p = path.getPointAtLength(0.5 * path.getTotalLength());
+        const [x, y] = [p.x / 1000, p.y / 1000];
+        if (x < x0 + 2 || x > x1 - 2 || y < y0 + 2 || y > y1 - 2) continue;
+        const at = new DOMPoint(10 * x, 10 * y).matrixTransform(svg.getScreenCTM());
+        return { name: ray.dataset.name, x: at.x, y: at.y };
+      }
+      return null;
+    }, id);
+    if (!named) continue;
+    await page.mouse.move(named.x, named.y);
+    const read = await box(id);
+    assert.ok(read.about.includes("; on ") && read.about.includes(named.name), `${read.about}: ${named.name}`);
+    rays += 1;
+  }
+  if (valued.length) {
+    assert.ok(rays > 0, `${folder}: no line of a map was named`);
+    done.push(`${valued.length} maps by keys`);
+  }
+
+  // Several scenes: names at all curves, values of each, rows of runs of the last scene.
+  const record = existsSync(join(folder, "results.json")) ? JSON.parse(readFileSync(join(folder, "results.json"), "utf8")) : {};
+  if (record.further) {
+    const scenes = [record, ...record.further];
+    const chart = (await charts(page)).find((c) => c.time);
+    const panels = await page.$$eval(`#${chart.id} .panel`, (all) => all.length);
+    let labels = [];
+    for (let n = 0; n < panels; n += 1) {
+      const at = await placeIn(page, chart.id, n, 0.5, 0.5);
+      await page.mouse.move(at.x, at.y);
+      const read = await readout(page, chart.id);
+      if (read && Object.keys(read.values).length > labels.length) labels = Object.keys(read.values);
+    }
+    for (const { scene } of scenes) assert.ok(labels.some((l) => l.startsWith(`${scene}: `)), `${scene}: ${labels}`);
+    const points = await page.$$eval(".panel > .point[data-run]", (all) => all.map((p) => Number(p.dataset.run)));
+    const found = points.filter((run) => run >= record.runs.length);
+    const rowed = await page.evaluate((run) => document.querySelectorAll(`tr[data-run="${run}"]`).length, found[0]);
+    assert.ok(found.length > 0 && rowed > 0, `${points}`);
+    done.push(`${scenes.length} scenes`);
+  }
+  return done;
 }

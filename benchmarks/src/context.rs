@@ -47,9 +47,9 @@ pub struct Context {
     pub laws: Arc<[Arc<dyn ForceLaw>]>,
     /// The request that its studies end.
     pub interruption: Interruption,
-    /// The source of the record that is rerun, or the text of a scene that a program made, which replace the file of that
-    /// name and its calibrations.
-    pub rerun: Option<Arc<Source>>,
+    /// The sources of the record that is rerun, one a scene, or the text of a scene that a program made: each replaces the
+    /// file of its name and its calibrations.
+    pub rerun: Arc<[Source]>,
     /// Output and warnings.
     pub messages: Messages,
     /// Memory and cache.
@@ -67,7 +67,7 @@ impl Default for Context {
             models: crate::models::models().into(),
             laws: Arc::new([]),
             interruption: Interruption::default(),
-            rerun: None,
+            rerun: Arc::new([]),
             messages: Messages::default(),
             resources: Resources::default(),
             record: RecordUse::default(),
@@ -81,11 +81,11 @@ impl Context {
     /// folder of the name.
     #[must_use]
     pub fn with_scene(mut self, name: &str, text: &str) -> Self {
-        self.rerun = Some(Arc::new(Source {
+        self.rerun = Arc::new([Source {
             name: name.to_owned(),
             scene: text.to_owned(),
             ..Source::default()
-        }));
+        }]);
         self
     }
 

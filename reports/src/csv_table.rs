@@ -13,6 +13,9 @@ pub struct CsvTable {
     pub rows: Vec<Vec<String>>,
 }
 
+/// Name of the column of the scene in tables of several scenes.
+pub(crate) const SCENE: &str = "scene";
+
 /// Endings of column names, each with its unit.
 const UNITS: [(&str, &str); 15] = [
     ("_rad_s", "rad/s"),
@@ -51,6 +54,55 @@ impl CsvTable {
             cells.retain(|_| kept.next() == Some(&true));
         }
         self
+    }
+
+    /// Returns the tables of one or several scenes. Rows of several scenes are in one file, with the name of the scene
+    /// in front and the columns of all.
+    pub(crate) fn of_scenes<'s>(
+        scenes: impl IntoIterator<Item = (Option<&'s str>, Vec<Self>)>,
+    ) -> Vec<Self> {
+        let mut files: Vec<Self> = Vec::new();
+        for (scene, tables) in scenes {
+            let Some(scene) = scene else {
+                files.extend(tables);
+                continue;
+            };
+            for table in tables {
+                let known = files.iter().position(|f| f.file == table.file);
+                let place = known.unwrap_or_else(|| {
+                    files.push(Self {
+                        file: table.file.clone(),
+                        header: vec![SCENE.into()],
+                        rows: Vec::new(),
+                    });
+                    files.len() - 1
+                });
+                files[place].append(scene, table);
+            }
+        }
+        files
+    }
+
+    /// Appends the rows of a table of a scene to those of others.
+    fn append(&mut self, scene: &str, table: Self) {
+        for name in &table.header {
+            if !self.header.contains(name) {
+                self.header.push(name.clone());
+                self.rows.iter_mut().for_each(|row| row.push(String::new()));
+            }
+        }
+        let place = |name: &String| self.header.iter().position(|own| own == name);
+        let places: Vec<Option<usize>> = table.header.iter().map(place).collect();
+        for row in table.rows {
+            let mut cells = vec![String::new(); self.header.len()];
+            cells[0] = scene.to_owned();
+            for (cell, place) in row.into_iter().zip(&places) {
+                if let Some(place) = place {
+                    cells[*place] = cell;
+                }
+            }
+            self.rows.push(cells);
+        }
     }
 
     /// Returns the text of the file.

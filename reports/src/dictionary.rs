@@ -5,7 +5,7 @@
 //! dictionary from the declarations of columns (`crate::columns`).
 
 pub use crate::columns::FileDescription;
-use crate::csv_table::named_unit;
+use crate::csv_table::{SCENE, named_unit};
 use crate::studies::runs::RUNS;
 use crate::{histories, studies};
 
@@ -28,9 +28,14 @@ pub fn files() -> Vec<FileDescription> {
 /// of an identification, have the columns of other tables.
 pub fn is_described(files: &[FileDescription], file: &str, column: &str) -> bool {
     let of_others = [RUNS, "identify_histories.csv"].contains(&file);
-    files.iter().any(|f| {
-        (of_others || fits(&f.file, file)) && f.columns.iter().any(|(key, _)| fits(key, column))
-    })
+    // Histories of one of several scenes have its name in front.
+    let after_scene = file.match_indices('-').map(|(i, _)| &file[i + 1..]);
+    let names: Vec<&str> = std::iter::once(file).chain(after_scene).collect();
+    let is_of = |f: &FileDescription| names.iter().any(|name| fits(&f.file, name));
+    column == SCENE
+        || files
+            .iter()
+            .any(|f| (of_others || is_of(f)) && f.columns.iter().any(|(key, _)| fits(key, column)))
 }
 
 impl FileDescription {

@@ -46,6 +46,8 @@ pub fn gallery(title: &str, entries: &[Entry]) -> Result<String, DrawError> {
 fn card(entry: &Entry) -> Result<Markup, DrawError> {
     let results = &entry.results;
     let header = &results.header;
+    let names: Vec<&str> = results.scenes().map(|r| r.header.name()).collect();
+    let scenes: Vec<&str> = results.scenes().map(|r| r.header.scene.as_str()).collect();
     let report = report(results)?;
     let below = |file: &str| address(&format!("{}/{file}", entry.folder));
     let link = below(PAGE);
@@ -54,8 +56,8 @@ fn card(entry: &Entry) -> Result<Markup, DrawError> {
     let first = report.all_charts().next();
     Ok(html! {
         section.card {
-            h2 { a href=(link) { (header.name()) } }
-            p.stamp { (results.study_name()) " \u{b7} scene " (header.scene) " \u{b7} " (header.created) " \u{b7} " code { (entry.folder) } }
+            h2 { a href=(link) { (names.join(" \u{b7} ")) } }
+            p.stamp { (results.study_name()) " \u{b7} " (if scenes.len() > 1 { "scenes " } else { "scene " }) (scenes.join(", ")) " \u{b7} " (header.created) " \u{b7} " code { (entry.folder) } }
             p { (sentences(&answer)) }
             @if let Some(chart) = first {
                 img loading="lazy" alt=(chart.title) src=(below(&chart.file));

@@ -61,10 +61,17 @@ pub fn write_results(dir: &Path, results: &Results) -> Result<PathBuf, ReportErr
         reason,
     })?;
     let mut clean = results.sanitised();
-    let histories = histories(results);
-    for (i, run) in clean.runs.iter_mut().enumerate() {
-        let own = histories.iter().filter(|h| h.run == Some(i));
-        run.files = own.map(|h| h.file.0.clone()).collect();
+    let mut all_histories = Vec::new();
+    let prefixes = scene_prefixes(results);
+    let scenes =
+        std::iter::once(&mut clean.runs).chain(clean.further.iter_mut().map(|r| &mut r.runs));
+    for ((one, runs), prefix) in results.scenes().zip(scenes).zip(&prefixes) {
+        let histories = histories(one, prefix);
+        for (i, run) in runs.iter_mut().enumerate() {
+            let own = histories.iter().filter(|h| h.run == Some(i));
+            run.files = own.map(|h| h.file.0.clone()).collect();
+        }
+        all_histories.extend(histories);
     }
     let text = to_json(&clean).map_err(|e| ReportError::Record {
         path: path.clone(),
@@ -72,7 +79,7 @@ pub fn write_results(dir: &Path, results: &Results) -> Result<PathBuf, ReportErr
     })?;
     let saved = parse(&text, &path)?;
     let mut files = vec![(RECORD.to_owned(), Content::Text(text))];
-    files.extend(histories.into_iter().map(|h| h.file));
+    files.extend(all_histories.into_iter().map(|h| h.file));
     files.extend(render(&saved)?);
     // What the record before made is drawn once more for its names; one that cannot be read made nothing known.
     let before: Vec<String> = load_results(&path).map_or_else(
@@ -159,6 +166,10 @@ fn parse(text: &str, path: &Path) -> Result<Results, ReportError> {
         None => serde_json::from_str(text).map_err(|e| refuse(e.to_string()))?,
     };
     results.header.schema = SCHEMA;
+    results
+        .further
+        .iter_mut()
+        .for_each(|r| r.header.schema = SCHEMA);
     results.validate().map_err(refuse)?;
     Ok(results)
 }
@@ -203,10 +214,10 @@ fn runs_with_files(results: &Results) -> Vec<usize> {
 
 /// Returns the histories of references, and those of runs: at full resolution where the study has them, else as in the
 /// record.
-fn histories<'a>(results: &'a Results) -> Vec<HistoryFile<'a>> {
+fn histories<'a>(results: &'a Results, prefix: &str) -> Vec<HistoryFile<'a>> {
     let mut files: Vec<HistoryFile<'a>> = Vec::new();
     let mut add = |run: Option<usize>, name: String, table: Box<dyn Fn() -> CsvTable + 'a>| {
-        let file = (name, Content::Table(table));
+        let file = (format!("{prefix}{name}"), Content::Table(table));
         files.push(HistoryFile { run, file });
     };
     for (i, r) in results.references.iter().enumerate() {
@@ -242,8 +253,31 @@ fn histories<'a>(results: &'a Results) -> Vec<HistoryFile<'a>> {
     files
 }
 
+/// Returns the beginnings of the names of files of histories of each scene: nothing for one scene, the name of the scene
+/// for several. Names that differ in punctuation alone are numbered.
+fn scene_prefixes(results: &Results) -> Vec<String> {
+    if results.further.is_empty() {
+        return vec![String::new()];
+    }
+    let mut prefixes: Vec<String> = Vec::new();
+    for scene in results.scenes().map(|r| &r.header.scene) {
+        let name = slug(scene);
+        let further = (2..).map(|k| format!("{name}{k}-"));
+        let mut free = std::iter::once(format!("{name}-")).chain(further);
+        prefixes.extend(free.find(|p| !prefixes.contains(p)));
+    }
+    prefixes
+}
+
 /// Returns the names of all files of histories that a record can have.
-fn history_names(results: &Results) -> impl Iterator<Item = String> {
+fn history_names(results: &Results) -> Vec<String> {
+    let scenes = results.scenes().zip(scene_prefixes(results));
+    scenes
+        .flat_map(|(one, prefix)| names_of_scene(one).map(move |name| format!("{prefix}{name}")))
+        .collect()
+}
+
+fn names_of_scene(results: &Results) -> impl Iterator<Item = String> {
     let references = results.references.iter().enumerate();
     let runs = results
         .runs

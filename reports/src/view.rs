@@ -15,17 +15,23 @@ pub const INTEGRATION: &str = "integration";
 
 /// The runs of one model variant.
 pub struct Group<'a> {
-    /// Label of the model with its variant.
+    /// Label of the model with its variant; with several scenes after the name of its scene.
     pub label: String,
+    /// Label of the model with its variant, as its runs have it.
+    pub model: String,
     /// Place in the order of appearance: decides colour, dash and marker everywhere.
     pub style: usize,
-    /// Runs with their index in the record.
+    /// Runs with their index among those of all scenes of the record.
     pub runs: Vec<(usize, &'a Run)>,
 }
 
-/// A record seen by the report.
+/// A record of one scene seen by the report.
 pub struct View<'a> {
     pub results: &'a Results,
+    /// Name of the scene, if the page has several.
+    pub scene: Option<&'a str>,
+    /// Index of the scene among those of the page.
+    pub place: usize,
     /// Models in order of appearance.
     pub groups: Vec<Group<'a>>,
     /// Id of the reference that errors refer to.
@@ -57,17 +63,37 @@ pub fn yardstick_of(results: &Results) -> Option<Cow<'_, Yardstick>> {
 }
 
 impl<'a> View<'a> {
-    /// Makes the view of a record for the report.
+    /// Makes the view of the record of one scene, or of the first scene of several.
     pub fn new(results: &'a Results) -> Self {
+        Self::of(results, None, &[])
+    }
+
+    /// Makes the views of all scenes of a record: their models have looks, and their runs indices, of their own.
+    pub fn of_scenes(results: &'a Results) -> Vec<Self> {
+        let mut views: Vec<Self> = Vec::with_capacity(1 + results.further.len());
+        for one in results.scenes() {
+            let name = (!results.further.is_empty()).then_some(one.header.scene.as_str());
+            views.push(Self::of(one, name, &views));
+        }
+        views
+    }
+
+    fn of(results: &'a Results, scene: Option<&'a str>, before: &[Self]) -> Self {
+        let models: usize = before.iter().map(|v| v.groups.len()).sum();
+        let runs: usize = before.iter().map(|v| v.results.runs.len()).sum();
         let mut groups: Vec<Group<'a>> = Vec::new();
         for (index, run) in results.runs.iter().enumerate() {
-            let label = run.model_label();
-            match groups.iter_mut().find(|g| g.label == label) {
-                Some(group) => group.runs.push((index, run)),
+            let model = run.model_label();
+            match groups.iter_mut().find(|g| g.model == model) {
+                Some(group) => group.runs.push((runs + index, run)),
                 None => groups.push(Group {
-                    label,
-                    style: groups.len(),
-                    runs: vec![(index, run)],
+                    label: match scene {
+                        Some(scene) => format!("{scene}: {model}"),
+                        None => model.clone(),
+                    },
+                    model,
+                    style: models + groups.len(),
+                    runs: vec![(runs + index, run)],
                 }),
             }
         }
@@ -99,6 +125,8 @@ impl<'a> View<'a> {
         };
         Self {
             results,
+            scene,
+            place: before.len(),
             groups,
             against,
             metric,
@@ -115,6 +143,35 @@ impl<'a> View<'a> {
             .find(|r| Some(r.id.as_str()) == id)
             .or(all.first())
             .filter(|r| !r.series.is_empty())
+    }
+
+    /// Returns a view with the models of all scenes; references and tolerance are those of the first.
+    pub fn joined(views: &[View<'a>]) -> Self {
+        let mut joined = Self::new(views[0].results);
+        let group = |g: &Group<'a>| Group {
+            label: g.label.clone(),
+            model: g.model.clone(),
+            runs: g.runs.clone(),
+            ..*g
+        };
+        joined.groups = (views.iter())
+            .flat_map(|v| v.groups.iter().map(group))
+            .collect();
+        joined
+    }
+
+    /// Returns a label with the name of the scene before it, if the page has several scenes.
+    pub fn with_scene(&self, label: &str) -> String {
+        match self.scene {
+            Some(scene) => format!("{scene}: {label}"),
+            None => label.to_owned(),
+        }
+    }
+
+    /// Returns the index of a run among those of all scenes of the record.
+    pub fn index_of(&self, run: &Run) -> Option<usize> {
+        let mut all = self.groups.iter().flat_map(|g| &g.runs);
+        all.find_map(|(index, own)| std::ptr::eq(*own, run).then_some(*index))
     }
 
     /// Returns the name of a reference for prose and legends.
@@ -140,6 +197,16 @@ impl<'a> View<'a> {
     /// True if the constants of a run were fitted to the history that its errors refer to.
     pub fn is_fitted(&self, run: &Run) -> bool {
         run.fitted_to.is_some() && run.fitted_to == self.against
+    }
+
+    /// True if errors are those of models, against something else than their own converged solutions.
+    pub fn is_of_models(&self) -> bool {
+        self.against.as_deref().is_some_and(|id| id != SELF)
+    }
+
+    /// True if a model is the first of its scene, which the others are compared with in cost.
+    pub fn is_first(&self, group: &Group<'_>) -> bool {
+        self.groups.first().is_some_and(|g| g.style == group.style)
     }
 
     /// Returns the kind of the error of a run that was not fitted, for use before the word "error".

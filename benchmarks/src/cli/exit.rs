@@ -68,6 +68,14 @@ ends with 1, as one beyond the tolerance does; `except` names models that are le
         lines.join("\n")
     }
 
+    /// The exit code of several scenes: that of the worst.
+    pub fn worst(of: impl IntoIterator<Item = Exit>) -> Exit {
+        let rank = |exit: &Exit| [Exit::Done, Exit::FellShort].iter().position(|e| e == exit);
+        // What is none of both has failed.
+        let worst = of.into_iter().max_by_key(|e| rank(e).unwrap_or(2));
+        worst.unwrap_or(Exit::Done)
+    }
+
     /// The exit code of a study all of whose runs have to be sound: a failed run decides, then a run beyond the
     /// tolerance or not judged by it, unless the tolerance of the scene excepts its model (`except`).
     pub fn of_every_run(results: &Results) -> Exit {

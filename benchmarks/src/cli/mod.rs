@@ -437,7 +437,7 @@ fn again(context: &Context, args: &Rerun) -> Result<CommandResult, Refusal> {
         ))
     })?;
     let context = Context {
-        rerun: Some(again.source.clone()),
+        rerun: again.sources.clone(),
         ..context.clone()
     };
     let answer = study.confined_to(again.out.clone()).run(&context, shown)?;

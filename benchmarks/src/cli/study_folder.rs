@@ -50,12 +50,12 @@ pub struct StudyFolder {
     journal: Option<Journal>,
     /// The outermost folder that was created for this study.
     made: Option<PathBuf>,
-    /// The scene, calibrations and input files that the record will contain.
-    source: Option<Source>,
+    /// The scenes, calibrations and input files that the record will contain, one a scene.
+    sources: Vec<Source>,
     /// Measured curves that the tables are compared with.
     measured: Vec<MeasuredCurve>,
-    /// Rows of models that cannot run the scene.
-    refused: Vec<Run>,
+    /// Rows of models that cannot run, of each scene.
+    refused: Vec<Vec<Run>>,
     /// True if the journal in the folder belongs to this study.
     has_journal: bool,
     /// The lock of the folder, held until the study ends.
@@ -83,7 +83,7 @@ impl StudyFolder {
         scene: &str,
         study: &str,
     ) -> Result<Self, Refusal> {
-        Self::begin(context, output, (scene, study), None, &[])
+        Self::begin(context, output, (scene, study), Vec::new(), &[])
     }
 
     /// Opens the folder of a study of a scene, which becomes part of the record.
@@ -91,18 +91,40 @@ impl StudyFolder {
     /// # Errors
     /// As [`StudyFolder::open`], and [`Refusal::Input`] when files that the scene reads are among the results.
     pub fn of(output: &Output, scene: &SceneFile, study: &str) -> Result<Self, Refusal> {
-        let (source, inputs) = (Some(scene.source()), scene.inputs());
-        let mut folder = Self::begin(
-            &scene.context,
-            output,
-            (&scene.name, study),
-            source,
-            &inputs,
-        )?;
-        let rows = scene.refused.iter();
-        folder.refused = rows
-            .map(|r| refused(&r.label, &r.model, r.error.to_text()))
-            .collect();
+        Self::of_scenes(output, &[scene], study)
+    }
+
+    /// Opens the folder of a study of one or several scenes, in the order of the record. Without a name it is called
+    /// after all of them.
+    ///
+    /// # Errors
+    /// As [`StudyFolder::of`], and [`Refusal::Input`] when there is no scene, or two have one name, by which tables and
+    /// charts could not distinguish them.
+    pub fn of_scenes(output: &Output, scenes: &[&SceneFile], study: &str) -> Result<Self, Refusal> {
+        let mut names: Vec<&str> = Vec::new();
+        for scene in scenes {
+            if names.contains(&scene.name.as_str()) {
+                return Err(Refusal::Input(miette::miette!(
+                    help = "give one of the scene files another `name`",
+                    "two scenes of the command have the name `{}`",
+                    scene.name
+                )));
+            }
+            names.push(&scene.name);
+        }
+        let Some(first) = scenes.first() else {
+            return Err(Refusal::Input(miette::miette!("the command has no scene")));
+        };
+        let sources = scenes.iter().map(|scene| scene.source()).collect();
+        let inputs: Vec<PathBuf> = scenes.iter().flat_map(|scene| scene.inputs()).collect();
+        let name = names.join("+");
+        let mut folder = Self::begin(&first.context, output, (&name, study), sources, &inputs)?;
+        let rows = |scene: &&SceneFile| {
+            let rows = scene.refused.iter();
+            rows.map(|r| refused(&r.label, &r.model, r.error.to_text()))
+                .collect()
+        };
+        folder.refused = scenes.iter().map(rows).collect();
         Ok(folder)
     }
 
@@ -120,7 +142,7 @@ impl StudyFolder {
             context,
             output,
             (&header.scene, study),
-            header.source.clone(),
+            header.source.iter().cloned().collect(),
             &[],
         )
     }
@@ -129,7 +151,7 @@ impl StudyFolder {
         context: &Context,
         output: &Output,
         (name, study): (&str, &str),
-        source: Option<Source>,
+        sources: Vec<Source>,
         inputs: &[PathBuf],
     ) -> Result<Self, Refusal> {
         let measured = output.measured.iter().map(|p| measured::read(p));
@@ -147,7 +169,12 @@ impl StudyFolder {
         let fail = |e: io::Error| Refusal::Files(format!("{}: {e}", path.display()));
         let subject = Subject {
             study: study.to_owned(),
-            scene: source.as_ref().map_or(name, |s| &s.name).to_owned(),
+            scene: match sources.as_slice() {
+                [] => name.to_owned(),
+                all => (all.iter().map(|s| s.name.as_str()))
+                    .collect::<Vec<_>>()
+                    .join(" "),
+            },
             models: output.models.as_deref().map(in_order),
         };
         let made = path.ancestors().take_while(|p| !p.exists()).last();
@@ -160,9 +187,9 @@ impl StudyFolder {
             lock: Some(FolderLock::take(&context.messages, &path)?),
             path: path.clone(),
             made,
-            source,
+            sources,
             measured: measured.concat(),
-            refused: Vec::new(),
+            refused: vec![Vec::new()],
             temporary,
         };
         if is_temporary {
@@ -174,7 +201,7 @@ impl StudyFolder {
             refuse_input(&path, input)?;
         }
         if !output.force {
-            belongs_to(&path, (name, &subject), folder.source.as_ref())?;
+            belongs_to(&path, (name, &subject), &folder.sources)?;
         }
         let journal = path.join(JOURNAL);
         folder.journal = Some(match Journal::open(&journal, &subject, output.fresh) {
@@ -190,7 +217,7 @@ impl StudyFolder {
 
     /// Adds a row for a model that failed to assemble during the study and has no row among the results.
     pub fn add_refused(&mut self, row: Run) {
-        self.refused.push(row);
+        self.refused[0].push(row);
     }
 
     /// The path of the folder.
@@ -248,59 +275,44 @@ impl StudyFolder {
     }
 
     /// Writes the record with its report, prints its summary and the paths of the files, and returns the result of the
-    /// command. Runs that an interruption prevented are left out, and the journal stays for the next start.
+    /// command. Runs that an interruption prevented are left out, and the journal stays for the next start. The exit code
+    /// of several scenes is the worst of theirs, and each scene has its own summary.
     ///
     /// # Errors
     /// [`Refusal::Files`] when a file cannot be written, [`Refusal::Interrupted`] when there is nothing to report.
     pub fn finish(
         &self,
         mut results: Results,
-        exit: impl FnOnce(&Results) -> Exit,
-        summarise: impl FnOnce(&Messages, &Results),
+        exit: impl Fn(&Results) -> Exit,
+        summarise: impl Fn(&Messages, &Results),
     ) -> Result<CommandResult, Refusal> {
-        let runs = &mut results.runs;
-        let nothing_ran = !runs.is_empty() && runs.iter().all(|r| r.status == Status::Refused);
-        runs.extend(self.refused.iter().cloned());
-        if nothing_ran {
-            return Err(self.refuse(none_can_run(runs)));
-        }
-        for row in &self.refused {
-            let why = row.message.as_deref().unwrap_or_default();
-            let what = format!("{}: {why}", row.model_label());
-            results.settings.push((REFUSED_MODEL.into(), what));
-        }
         let stopped = self.context.interruption.is_requested();
-        if stopped {
-            let planned = results.runs.len();
-            (results.runs).retain(|r| r.status != Status::Interrupted);
-            let (made, parts) = (results.runs.len(), parts(&results.part));
-            if made + parts == 0 {
-                return Err(self.interrupted());
-            }
-            let what = match (&results.part, planned) {
-                (Part::Stability(_), _) => {
-                    "cells that were not computed are marked; the same command continues the study"
-                        .into()
-                }
-                (_, 0) => {
-                    format!("{parts} parts were finished; the same command continues the study")
-                }
-                _ => format!(
-                    "{made} of {planned} runs were finished; the same command continues the study"
-                ),
-            };
-            results.settings.push((INTERRUPTED_STUDY.into(), what));
+        let further = std::mem::take(&mut results.further);
+        let mut scenes: Vec<Results> = std::iter::once(results).chain(further).collect();
+        let mut finished = 0;
+        for (place, scene) in scenes.iter_mut().enumerate() {
+            finished += self.complete(scene, place, stopped)?;
         }
-        results.header.source.clone_from(&self.source);
-        results.measured.clone_from(&self.measured);
-        let ending = match (stopped, self.refused.is_empty()) {
+        if stopped && finished == 0 {
+            return Err(self.interrupted());
+        }
+        let ending = match (stopped, self.refused.iter().all(Vec::is_empty)) {
             (true, _) => Exit::Interrupted,
-            (false, true) => exit(&results),
+            (false, true) => Exit::worst(scenes.iter().map(exit)),
             // Some of the requested models could not run.
             (false, false) => Exit::FailedRun,
         };
+        let first = scenes.remove(0);
+        let mut results = Results {
+            further: scenes,
+            ..first
+        };
+        results.measured.clone_from(&self.measured);
         if self.temporary.is_some() {
-            if let Some(text) = damping_differs(&results.mesh_modes) {
+            for text in results
+                .scenes()
+                .filter_map(|r| damping_differs(&r.mesh_modes))
+            {
                 self.context.messages.warn(&text);
             }
             return Ok(CommandResult::returning(results).ending(ending));
@@ -316,13 +328,25 @@ impl StudyFolder {
             RecordUse::Written => Vec::new(),
         };
         // They are in files of their own now, and as values of an answer they would take many times their memory.
-        results.runs.iter_mut().for_each(|r| r.histories = None);
-        summarise(&self.context.messages, &results);
-        self.describe_mesh_modes(&results);
+        let further = results.further.iter_mut().flat_map(|r| &mut r.runs);
+        (results.runs.iter_mut().chain(further)).for_each(|r| r.histories = None);
+        for scene in results.scenes() {
+            if !results.further.is_empty() {
+                self.context
+                    .messages
+                    .print_line(&format!("scene {}:", scene.header.scene));
+            }
+            summarise(&self.context.messages, scene);
+            self.describe_mesh_modes(scene);
+        }
         for line in gearbench_reports::measured_lines(&results).unwrap_or_default() {
             self.context.messages.print_line(&line);
         }
-        if let Some((_, what)) = results.settings.last().filter(|_| stopped) {
+        for (_, what) in results
+            .scenes()
+            .filter_map(|r| r.settings.last())
+            .filter(|_| stopped)
+        {
             self.context
                 .messages
                 .print_line(&format!("interrupted: {what}"));
@@ -345,6 +369,49 @@ impl StudyFolder {
             }
         };
         Ok((answer.with("record", &record).with("report", &page)).ending(ending))
+    }
+
+    /// Completes the record of a scene: adds models that were refused and the source, removes runs that an interruption
+    /// prevented. Returns the number of its results.
+    fn complete(
+        &self,
+        results: &mut Results,
+        place: usize,
+        stopped: bool,
+    ) -> Result<usize, Refusal> {
+        let runs = &mut results.runs;
+        let nothing_ran = !runs.is_empty() && runs.iter().all(|r| r.status == Status::Refused);
+        let refused = self.refused.get(place).map_or(&[][..], Vec::as_slice);
+        runs.extend(refused.iter().cloned());
+        if nothing_ran {
+            return Err(self.refuse(none_can_run(runs)));
+        }
+        for row in refused {
+            let why = row.message.as_deref().unwrap_or_default();
+            let what = format!("{}: {why}", row.model_label());
+            results.settings.push((REFUSED_MODEL.into(), what));
+        }
+        let parts = parts(&results.part);
+        if stopped {
+            let planned = results.runs.len();
+            (results.runs).retain(|r| r.status != Status::Interrupted);
+            let made = results.runs.len();
+            let what = match (&results.part, planned) {
+                (Part::Stability(_), _) => {
+                    "cells that were not computed are marked; the same command continues the study"
+                        .into()
+                }
+                (_, 0) => {
+                    format!("{parts} parts were finished; the same command continues the study")
+                }
+                _ => format!(
+                    "{made} of {planned} runs were finished; the same command continues the study"
+                ),
+            };
+            results.settings.push((INTERRUPTED_STUDY.into(), what));
+        }
+        results.header.source = self.sources.get(place).cloned();
+        Ok(results.runs.len() + parts)
     }
 
     /// Prints the damping of the mesh mode of each model, and a warning if models differ in it.
@@ -489,6 +556,8 @@ struct RecordedHeader {
     command: String,
     #[serde(default)]
     source: Option<RecordedSource>,
+    #[serde(default)]
+    further: Vec<RecordedHeader>,
 }
 
 #[derive(Deserialize)]
@@ -501,7 +570,7 @@ struct RecordedSource {
 fn belongs_to(
     folder: &Path,
     (name, subject): (&str, &Subject),
-    source: Option<&Source>,
+    sources: &[Source],
 ) -> Result<(), Refusal> {
     let refuse = |what: &str| {
         Err(Refusal::Input(miette::miette!(
@@ -534,11 +603,16 @@ fn belongs_to(
             "its {RECORD} is a record of another version of gearbench"
         ));
     }
-    let same_scene = match (&kept.source, source) {
-        (Some(a), Some(b)) => {
-            a.name == b.name
-                || a.scene == b.scene
-                || is_same(Path::new(&a.name), Path::new(&b.name))
+    let same = |kept: &RecordedSource, now: &Source| {
+        kept.name == now.name
+            || kept.scene == now.scene
+            || is_same(Path::new(&kept.name), Path::new(&now.name))
+    };
+    let headers = || std::iter::once(&kept).chain(&kept.further);
+    let recorded: Option<Vec<&RecordedSource>> = headers().map(|h| h.source.as_ref()).collect();
+    let same_scene = match (recorded, sources) {
+        (Some(kept), now @ [_, ..]) => {
+            kept.len() == now.len() && kept.iter().zip(now).all(|(kept, now)| same(kept, now))
         }
         // A check has no scene of its own, and records of older versions do not have it.
         _ => kept.scene == name,

@@ -12,8 +12,8 @@ use gearbench_integrators::table::{DOPRI5, RK4, VELOCITY_VERLET};
 use gearbench_models::gear::table::Model;
 use gearbench_reference::limits::Memory;
 use gearbench_reports::record::{Run, Source, Status};
-use std::sync::Mutex;
 use std::sync::mpsc::channel;
+use std::sync::{Arc, Mutex};
 
 const SCENE: &str = "hammer";
 
@@ -68,14 +68,11 @@ fn narrow() -> Context {
         ..rigid
     });
     context.resources.memory = Memory::of(2e6);
-    context.rerun = Some(
-        Source {
-            name: SCENE.into(),
-            scene: text,
-            ..Source::default()
-        }
-        .into(),
-    );
+    context.rerun = Arc::new([Source {
+        name: SCENE.into(),
+        scene: text,
+        ..Source::default()
+    }]);
     context
 }
 

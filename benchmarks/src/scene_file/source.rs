@@ -16,14 +16,14 @@ use std::path::{Path, PathBuf};
 impl Context {
     /// The text of a scene in the record that is rerun.
     pub(super) fn recorded(&self, name: &str) -> Option<&str> {
-        let source = self.rerun.as_ref()?;
-        (source.name == name).then_some(source.scene.as_str())
+        let source = self.rerun.iter().find(|source| source.name == name)?;
+        Some(source.scene.as_str())
     }
 
     /// The calibration file of a scene in the record that is rerun.
     pub(super) fn recorded_calibration(&self, scene: &str) -> Option<&str> {
-        let calibrations = &self.rerun.as_ref()?.calibrations;
-        calibrations.get(scene).map(String::as_str)
+        let mut sources = self.rerun.iter();
+        sources.find_map(|source| source.calibrations.get(scene).map(String::as_str))
     }
 }
 

@@ -48,8 +48,8 @@ pub struct RecordedCommand {
     pub words: Vec<String>,
     /// Folder of the new record.
     pub out: PathBuf,
-    /// Scene and calibrations of the record.
-    pub source: Arc<Source>,
+    /// Scenes and calibrations of the record.
+    pub sources: Arc<[Source]>,
     before: Results,
 }
 
@@ -69,13 +69,14 @@ pub fn prepare(context: &Context, args: &Rerun) -> Result<RecordedCommand, Refus
     let before = load_results(&args.record).map_err(|e| refuse(&e))?;
     let shown = args.record.display();
     let (command, commit) = (&before.header.command, &before.header.commit);
-    let Some(source) = before.header.source.clone() else {
+    let sources = before.scenes().map(|r| r.header.source.clone());
+    let Some(sources) = sources.collect::<Option<Vec<Source>>>() else {
         return Err(Refusal::Input(miette::miette!(
             help = format!("its command was `{command}`"),
             "{shown}: the record does not contain its scene; a version of gearbench without this feature wrote it (commit {commit})"
         )));
     };
-    let changed = changed(&source);
+    let changed: Vec<String> = sources.iter().flat_map(changed).collect();
     if !changed.is_empty() {
         return Err(Refusal::Input(miette::miette!(
             help = format!("restore these files, or run the command again: `{command}`"),
@@ -103,7 +104,7 @@ pub fn prepare(context: &Context, args: &Rerun) -> Result<RecordedCommand, Refus
     Ok(RecordedCommand {
         words,
         out,
-        source: source.into(),
+        sources: sources.into(),
         before,
     })
 }

@@ -43,6 +43,8 @@ MADE_OF_NUMBERS = "FloatArray"
 
 def type_of(schema: dict[str, Any]) -> str:
     """Return the annotation of a value of the schema."""
+    if schema.get("$ref") == "#":
+        return "StudyResult"
     if "$ref" in schema:
         return str(schema["$ref"].rpartition("/")[2])
     if "const" in schema:

@@ -3470,6 +3470,9 @@ class CompareResult(StudyResult):
         Commit of gearbench, with a mark when the tree had changes.
     created : str
         Time of the study (RFC 3339), as given by the caller.
+    further : list[StudyResult]
+        Records of the further scenes of a study of several scenes, in the order of its command,
+        each as the study of that scene alone has it.
     machine : Machine | None
         Computer the times were measured on.
     measured : list[MeasuredCurve]
@@ -3504,6 +3507,7 @@ class CompareResult(StudyResult):
     command: str = ""
     commit: str = ""
     created: str = ""
+    further: list[StudyResult] = field(default_factory=list)
     machine: Machine | None = None
     measured: list[MeasuredCurve] = field(default_factory=list)
     mesh_modes: list[MeshMode] = field(default_factory=list)
@@ -3532,6 +3536,9 @@ class PrecisionResult(StudyResult):
         Commit of gearbench, with a mark when the tree had changes.
     created : str
         Time of the study (RFC 3339), as given by the caller.
+    further : list[StudyResult]
+        Records of the further scenes of a study of several scenes, in the order of its command,
+        each as the study of that scene alone has it.
     machine : Machine | None
         Computer the times were measured on.
     measured : list[MeasuredCurve]
@@ -3563,6 +3570,7 @@ class PrecisionResult(StudyResult):
     command: str = ""
     commit: str = ""
     created: str = ""
+    further: list[StudyResult] = field(default_factory=list)
     machine: Machine | None = None
     measured: list[MeasuredCurve] = field(default_factory=list)
     mesh_modes: list[MeshMode] = field(default_factory=list)
@@ -3590,6 +3598,9 @@ class StabilityResult(StudyResult):
         Commit of gearbench, with a mark when the tree had changes.
     created : str
         Time of the study (RFC 3339), as given by the caller.
+    further : list[StudyResult]
+        Records of the further scenes of a study of several scenes, in the order of its command,
+        each as the study of that scene alone has it.
     machine : Machine | None
         Computer the times were measured on.
     measured : list[MeasuredCurve]
@@ -3621,6 +3632,7 @@ class StabilityResult(StudyResult):
     command: str = ""
     commit: str = ""
     created: str = ""
+    further: list[StudyResult] = field(default_factory=list)
     machine: Machine | None = None
     measured: list[MeasuredCurve] = field(default_factory=list)
     mesh_modes: list[MeshMode] = field(default_factory=list)
@@ -3648,6 +3660,9 @@ class ChooseResult(StudyResult):
         Commit of gearbench, with a mark when the tree had changes.
     created : str
         Time of the study (RFC 3339), as given by the caller.
+    further : list[StudyResult]
+        Records of the further scenes of a study of several scenes, in the order of its command,
+        each as the study of that scene alone has it.
     machine : Machine | None
         Computer the times were measured on.
     measured : list[MeasuredCurve]
@@ -3679,6 +3694,7 @@ class ChooseResult(StudyResult):
     command: str = ""
     commit: str = ""
     created: str = ""
+    further: list[StudyResult] = field(default_factory=list)
     machine: Machine | None = None
     measured: list[MeasuredCurve] = field(default_factory=list)
     mesh_modes: list[MeshMode] = field(default_factory=list)
@@ -3706,6 +3722,9 @@ class CheckResult(StudyResult):
         Commit of gearbench, with a mark when the tree had changes.
     created : str
         Time of the study (RFC 3339), as given by the caller.
+    further : list[StudyResult]
+        Records of the further scenes of a study of several scenes, in the order of its command,
+        each as the study of that scene alone has it.
     machine : Machine | None
         Computer the times were measured on.
     measured : list[MeasuredCurve]
@@ -3745,6 +3764,7 @@ class CheckResult(StudyResult):
     command: str = ""
     commit: str = ""
     created: str = ""
+    further: list[StudyResult] = field(default_factory=list)
     machine: Machine | None = None
     measured: list[MeasuredCurve] = field(default_factory=list)
     mesh_modes: list[MeshMode] = field(default_factory=list)
@@ -3776,6 +3796,9 @@ class TruncationResult(StudyResult):
         Commit of gearbench, with a mark when the tree had changes.
     created : str
         Time of the study (RFC 3339), as given by the caller.
+    further : list[StudyResult]
+        Records of the further scenes of a study of several scenes, in the order of its command,
+        each as the study of that scene alone has it.
     machine : Machine | None
         Computer the times were measured on.
     measured : list[MeasuredCurve]
@@ -3805,6 +3828,7 @@ class TruncationResult(StudyResult):
     command: str = ""
     commit: str = ""
     created: str = ""
+    further: list[StudyResult] = field(default_factory=list)
     machine: Machine | None = None
     measured: list[MeasuredCurve] = field(default_factory=list)
     mesh_modes: list[MeshMode] = field(default_factory=list)
@@ -3831,6 +3855,9 @@ class SweepResult(StudyResult):
         Commit of gearbench, with a mark when the tree had changes.
     created : str
         Time of the study (RFC 3339), as given by the caller.
+    further : list[StudyResult]
+        Records of the further scenes of a study of several scenes, in the order of its command,
+        each as the study of that scene alone has it.
     machine : Machine | None
         Computer the times were measured on.
     measured : list[MeasuredCurve]
@@ -3862,6 +3889,7 @@ class SweepResult(StudyResult):
     command: str = ""
     commit: str = ""
     created: str = ""
+    further: list[StudyResult] = field(default_factory=list)
     machine: Machine | None = None
     measured: list[MeasuredCurve] = field(default_factory=list)
     mesh_modes: list[MeshMode] = field(default_factory=list)
@@ -3889,6 +3917,9 @@ class IdentifyResult(StudyResult):
         Commit of gearbench, with a mark when the tree had changes.
     created : str
         Time of the study (RFC 3339), as given by the caller.
+    further : list[StudyResult]
+        Records of the further scenes of a study of several scenes, in the order of its command,
+        each as the study of that scene alone has it.
     machine : Machine | None
         Computer the times were measured on.
     measured : list[MeasuredCurve]
@@ -3923,6 +3954,7 @@ class IdentifyResult(StudyResult):
     command: str = ""
     commit: str = ""
     created: str = ""
+    further: list[StudyResult] = field(default_factory=list)
     machine: Machine | None = None
     measured: list[MeasuredCurve] = field(default_factory=list)
     mesh_modes: list[MeshMode] = field(default_factory=list)
@@ -3951,6 +3983,9 @@ class ModesResult(StudyResult):
         Commit of gearbench, with a mark when the tree had changes.
     created : str
         Time of the study (RFC 3339), as given by the caller.
+    further : list[StudyResult]
+        Records of the further scenes of a study of several scenes, in the order of its command,
+        each as the study of that scene alone has it.
     machine : Machine | None
         Computer the times were measured on.
     measured : list[MeasuredCurve]
@@ -3982,6 +4017,7 @@ class ModesResult(StudyResult):
     command: str = ""
     commit: str = ""
     created: str = ""
+    further: list[StudyResult] = field(default_factory=list)
     machine: Machine | None = None
     measured: list[MeasuredCurve] = field(default_factory=list)
     mesh_modes: list[MeshMode] = field(default_factory=list)
@@ -4009,6 +4045,9 @@ class ResponseResult(StudyResult):
         Commit of gearbench, with a mark when the tree had changes.
     created : str
         Time of the study (RFC 3339), as given by the caller.
+    further : list[StudyResult]
+        Records of the further scenes of a study of several scenes, in the order of its command,
+        each as the study of that scene alone has it.
     machine : Machine | None
         Computer the times were measured on.
     measured : list[MeasuredCurve]
@@ -4040,6 +4079,7 @@ class ResponseResult(StudyResult):
     command: str = ""
     commit: str = ""
     created: str = ""
+    further: list[StudyResult] = field(default_factory=list)
     machine: Machine | None = None
     measured: list[MeasuredCurve] = field(default_factory=list)
     mesh_modes: list[MeshMode] = field(default_factory=list)
@@ -4067,6 +4107,9 @@ class CouplingResult(StudyResult):
         Commit of gearbench, with a mark when the tree had changes.
     created : str
         Time of the study (RFC 3339), as given by the caller.
+    further : list[StudyResult]
+        Records of the further scenes of a study of several scenes, in the order of its command,
+        each as the study of that scene alone has it.
     machine : Machine | None
         Computer the times were measured on.
     measured : list[MeasuredCurve]
@@ -4098,6 +4141,7 @@ class CouplingResult(StudyResult):
     command: str = ""
     commit: str = ""
     created: str = ""
+    further: list[StudyResult] = field(default_factory=list)
     machine: Machine | None = None
     measured: list[MeasuredCurve] = field(default_factory=list)
     mesh_modes: list[MeshMode] = field(default_factory=list)
@@ -4125,6 +4169,9 @@ class RunUpResult(StudyResult):
         Commit of gearbench, with a mark when the tree had changes.
     created : str
         Time of the study (RFC 3339), as given by the caller.
+    further : list[StudyResult]
+        Records of the further scenes of a study of several scenes, in the order of its command,
+        each as the study of that scene alone has it.
     machine : Machine | None
         Computer the times were measured on.
     measured : list[MeasuredCurve]
@@ -4156,6 +4203,7 @@ class RunUpResult(StudyResult):
     command: str = ""
     commit: str = ""
     created: str = ""
+    further: list[StudyResult] = field(default_factory=list)
     machine: Machine | None = None
     measured: list[MeasuredCurve] = field(default_factory=list)
     mesh_modes: list[MeshMode] = field(default_factory=list)
@@ -4183,6 +4231,9 @@ class StiffnessResult(StudyResult):
         Commit of gearbench, with a mark when the tree had changes.
     created : str
         Time of the study (RFC 3339), as given by the caller.
+    further : list[StudyResult]
+        Records of the further scenes of a study of several scenes, in the order of its command,
+        each as the study of that scene alone has it.
     machine : Machine | None
         Computer the times were measured on.
     measured : list[MeasuredCurve]
@@ -4214,6 +4265,7 @@ class StiffnessResult(StudyResult):
     command: str = ""
     commit: str = ""
     created: str = ""
+    further: list[StudyResult] = field(default_factory=list)
     machine: Machine | None = None
     measured: list[MeasuredCurve] = field(default_factory=list)
     mesh_modes: list[MeshMode] = field(default_factory=list)
@@ -4241,6 +4293,9 @@ class ScanResult(StudyResult):
         Commit of gearbench, with a mark when the tree had changes.
     created : str
         Time of the study (RFC 3339), as given by the caller.
+    further : list[StudyResult]
+        Records of the further scenes of a study of several scenes, in the order of its command,
+        each as the study of that scene alone has it.
     machine : Machine | None
         Computer the times were measured on.
     measured : list[MeasuredCurve]
@@ -4296,6 +4351,7 @@ class ScanResult(StudyResult):
     command: str = ""
     commit: str = ""
     created: str = ""
+    further: list[StudyResult] = field(default_factory=list)
     machine: Machine | None = None
     measured: list[MeasuredCurve] = field(default_factory=list)
     mesh_modes: list[MeshMode] = field(default_factory=list)
@@ -4334,6 +4390,9 @@ class TabularResult(StudyResult):
         Commit of gearbench, with a mark when the tree had changes.
     created : str
         Time of the study (RFC 3339), as given by the caller.
+    further : list[StudyResult]
+        Records of the further scenes of a study of several scenes, in the order of its command,
+        each as the study of that scene alone has it.
     machine : Machine | None
         Computer the times were measured on.
     measured : list[MeasuredCurve]
@@ -4377,6 +4436,7 @@ class TabularResult(StudyResult):
     command: str = ""
     commit: str = ""
     created: str = ""
+    further: list[StudyResult] = field(default_factory=list)
     machine: Machine | None = None
     measured: list[MeasuredCurve] = field(default_factory=list)
     mesh_modes: list[MeshMode] = field(default_factory=list)

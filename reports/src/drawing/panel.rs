@@ -6,6 +6,7 @@ use super::canvas::{Anchor, Canvas, DrawError, Ink, Stroke, Type, draw_with, tex
 use super::geometry::Rect;
 use super::labels::OccupiedArea;
 use super::legend::{Entry, entry_of, legend_height, paint_legend};
+use super::scatter;
 use super::style::{CurveStyle, cross, curve_style, marker};
 use crate::series::decimate;
 
@@ -229,7 +230,7 @@ impl Panel {
         };
         let name = self.x_name.as_deref();
         let notes = [("class", "notes".to_owned())];
-        c.group(&notes, |c| self.paint_bands(c, frame));
+        self.paint_bands(c, frame);
         frame.paint_at(c, &ticks, name.unwrap_or(""), &self.y_name, name.is_some());
         let heading = !self.remark.is_empty();
         if heading {
@@ -238,18 +239,7 @@ impl Panel {
         }
         let names = top + if heading { ABOVE } else { 0.0 } + 7.0;
         let mut room = OccupiedArea::of(area);
-        let limits: Vec<(f64, &str)> = (self.limits.iter())
-            .map(|(limit, text)| (frame.at(frame.x.max, *limit).1, text.as_str()))
-            .filter(|(y, _)| (area.y0..=area.y1).contains(y))
-            .collect();
-        c.group(&notes, |c| {
-            self.paint_verticals(c, frame, names, &mut room);
-            for (y, _) in &limits {
-                let line = [(area.x0, *y), (area.x1, *y)];
-                c.line(&line, Stroke::dashed(Ink::DARK, 1.0, &[6.0, 4.0]));
-                room.occupy_line(&line);
-            }
-        });
+        self.paint_verticals(c, frame, names, &mut room);
         for curve in &self.curves {
             let entry = entry_of(legend, curve);
             let entry = entry.map(|i| ("data-entry", i.to_string()));
@@ -260,17 +250,15 @@ impl Panel {
             });
         }
         let small = Type::new(TICK_SIZE, Anchor::Start);
+        scatter::limits(c, frame, &self.limits, &mut room);
         c.group(&notes, |c| {
-            for (y, text) in limits.iter().filter(|l| !l.1.is_empty()) {
-                room.write_along(c, text, *y, small.ink(Ink::GREY));
-            }
             for ((x, y), text) in &self.marks {
                 room.write(c, text, frame.at(*x, *y), small);
             }
-            if self.strip() > 0.0 {
-                self.paint_failures(c, frame);
-            }
         });
+        if self.strip() > 0.0 {
+            self.paint_failures(c, frame);
+        }
     }
 
     /// Paints the tinted ranges of the abscissa.
@@ -278,7 +266,8 @@ impl Panel {
         let area = frame.area;
         for ([a, b], ink) in &self.bands {
             let [x0, x1] = [a, b].map(|x| frame.at(*x, frame.y.min).0.clamp(area.x0, area.x1));
-            c.fill(&Rect::new(x0, area.y0, x1.max(x0 + 2.0), area.y1), *ink);
+            let band = Rect::new(x0, area.y0, x1.max(x0 + 2.0), area.y1);
+            c.group(&[("class", "band".to_owned())], |c| c.fill(&band, *ink));
         }
     }
 
@@ -328,15 +317,17 @@ impl Panel {
                 continue;
             }
             let line = [(x, area.y0), (x, area.y1)];
-            c.line(&line, Stroke::dashed(Ink::PALE, 1.2, &[4.0, 3.0]));
             room.occupy_line(&line);
-            let half = 0.5 * text_width(text, TICK_SIZE - 0.5);
-            let centre = x.clamp(area.x0 + half, (area.x1 - half).max(area.x0 + half));
-            if centre - half > free {
-                let kind = Type::new(TICK_SIZE - 0.5, Anchor::Middle).ink(Ink::GREY);
-                c.text(text, (centre, y), kind);
-                free = centre + half + 6.0;
-            }
+            c.group(&upright((x, area.y0)), |c| {
+                c.line(&line, Stroke::dashed(Ink::PALE, 1.2, &[4.0, 3.0]));
+                let half = 0.5 * text_width(text, TICK_SIZE - 0.5);
+                let centre = x.clamp(area.x0 + half, (area.x1 - half).max(area.x0 + half));
+                if centre - half > free {
+                    let kind = Type::new(TICK_SIZE - 0.5, Anchor::Middle).ink(Ink::GREY);
+                    c.text(text, (centre, y), kind);
+                    free = centre + half + 6.0;
+                }
+            });
         }
     }
 
@@ -350,10 +341,19 @@ impl Panel {
         for curve in &self.curves {
             for &x in &curve.failed {
                 let (x, _) = frame.at(x, frame.y.min);
-                cross(c, (x, strip.middle()), 4.2, curve.ink);
+                let at = (x, strip.middle());
+                c.group(&upright(at), |c| cross(c, at, 4.2, curve.ink));
             }
         }
     }
+}
+
+/// Returns the attributes of a mark at an abscissa, which a page keeps there while the chart is zoomed.
+fn upright((x, y): (f64, f64)) -> [(&'static str, String); 2] {
+    [
+        ("class", "upright".to_owned()),
+        ("data-at", format!("{x:.3} {y:.3}")),
+    ]
 }
 
 /// Returns least and greatest finite value.

@@ -133,12 +133,73 @@ pub fn failures(c: &mut Canvas, failed: &[(Ink, String)], width: f64, bottom: f6
     }
 }
 
-/// Draws the line of a tolerance and returns its ordinate; [`OccupiedArea::write_along`] names it when all points are placed.
-pub fn tolerance(c: &mut Canvas, frame: &Frame, limit: f64, room: &mut OccupiedArea) -> f64 {
-    let (x, y) = frame.at(frame.x.max, limit);
-    let line = [(frame.area.x0, y), (x, y)];
+/// Returns the attributes of a chart whose groups of class `panel` the script of a page reads.
+pub fn panels() -> [(&'static str, String); 1] {
+    [("class", "panels".to_owned())]
+}
+
+/// Returns the attributes of the group of names, which a page hides while the chart is zoomed.
+pub fn notes() -> [(&'static str, String); 1] {
+    [("class", "notes".to_owned())]
+}
+
+/// Paints a point of a panel, with its text for the cursor of a page, the index of the look of its model, and the index of
+/// its run if the page has a row of it.
+pub fn point(
+    c: &mut Canvas,
+    (x, y): (f64, f64),
+    (style, run): (usize, Option<usize>),
+    text: &str,
+    paint: impl FnOnce(&mut Canvas),
+) {
+    let mut attributes = vec![
+        ("class", "point".to_owned()),
+        ("data-at", format!("{x:.3} {y:.3}")),
+        ("data-entry", style.to_string()),
+    ];
+    attributes.extend(run.map(|run| ("data-run", run.to_string())));
+    c.group(&attributes, |c| {
+        c.title(text);
+        paint(c);
+    });
+}
+
+/// Paints a line of a panel that is no curve to be read: it stays with its points while the chart is zoomed. `style` is
+/// the index of the look of its model, if it has one.
+pub fn guide(
+    c: &mut Canvas,
+    points: &[(f64, f64)],
+    area: &Rect,
+    stroke: Stroke,
+    style: Option<usize>,
+) {
+    let class = [("class", "guide".to_owned())];
+    let entry = style.map(|s| ("data-entry", s.to_string()));
+    let attributes: Vec<_> = class.into_iter().chain(entry).collect();
+    c.group(&attributes, |c| c.curve(points, area, stroke));
+}
+
+/// Draws the lines of limits with their names, which stay in sight while the chart is zoomed. All points must be in `room`.
+pub fn limits(c: &mut Canvas, frame: &Frame, limits: &[(f64, String)], room: &mut OccupiedArea) {
+    let area = frame.area;
+    let lines = limits.iter().map(|(limit, text)| {
+        let (_, y) = frame.at(frame.x.max, *limit);
+        ([(area.x0, y), (area.x1, y)], text)
+    });
+    let lines: Vec<_> = lines
+        .filter(|l| (area.y0..=area.y1).contains(&l.0[0].1))
+        .collect();
+    lines.iter().for_each(|(line, _)| room.occupy_line(line));
     let stroke = Stroke::dashed(Ink::DARK, 1.2, &[6.0, 4.0]);
-    c.line_within(&line, &frame.area, stroke);
-    room.occupy_line(&line);
-    y
+    let kind = Type::new(TICK_SIZE, Anchor::Start).ink(Ink::GREY);
+    for (line, text) in lines {
+        c.group(&[("class", "limit".to_owned())], |c| {
+            c.curve(&line, &area, stroke);
+            let at = format!("{:.3} {:.3}", area.x0, line[0].1);
+            let name = [("class", "along".to_owned()), ("data-at", at)];
+            c.group(&name, |c| {
+                room.write_along(c, text, line[0].1, kind);
+            });
+        });
+    }
 }

@@ -100,9 +100,12 @@ pub fn mark(style: usize) -> Markup {
     }
 }
 
-/// Returns the stroke of a reference: thick, dark, solid.
-pub fn reference_stroke() -> Stroke {
-    Stroke::new(Ink::DARK.opacity(0.82), 3.2)
+/// Returns the stroke of the reference of a scene, by its place among those of the page: thick, dark, of the first one
+/// solid.
+pub fn reference_stroke(scene: usize) -> Stroke {
+    const DASHES: [&[f64]; 4] = [&[], &[10.0, 4.0], &[4.0, 4.0], &[14.0, 4.0, 4.0, 4.0]];
+    let k = scene % DASHES.len();
+    Stroke::dashed(Ink::DARK.opacity(0.82 - 0.14 * k as f64), 3.2, DASHES[k])
 }
 
 /// Returns the look of measured points.

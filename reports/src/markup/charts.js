@@ -15,6 +15,8 @@
   const UNIT = 10; // Units of the view box per unit of the page.
   const FINE = 1000; // Units of paths per unit of the page.
   const NEAR = 26; // Farthest point that a pointer chooses [units of the page].
+  const ON_RAY = 5; // Farthest line that a place of a map is on [units of the page].
+  const STEPS = 100; // Steps of keys over a map of values.
   const DRAG = 5; // Shortest way of a pointer that is a zoom [units of the page].
   const EVENT = "gearbench:time";
   const charts = [];
@@ -133,6 +135,19 @@
     }
     return undefined;
   }
+  // Distance of a place from a line, both in units of the page.
+  function distanceTo({ pieces }, x, y) {
+    let least = Infinity;
+    for (const { xs, ys } of pieces) {
+      for (let i = 0; i + 1 < xs.length; i++) {
+        const [dx, dy] = [xs[i + 1] - xs[i], ys[i + 1] - ys[i]];
+        const square = dx * dx + dy * dy;
+        const part = square > 0 ? clamp(((x - xs[i]) * dx + (y - ys[i]) * dy) / square, 0, 1) : 0;
+        least = Math.min(least, Math.hypot(x - xs[i] - part * dx, y - ys[i] - part * dy));
+      }
+    }
+    return least;
+  }
   const place = (g) => {
     const [x, y] = numbers(g.dataset.at);
     return { g, x, y, run: g.dataset.run, text: g.querySelector("title") ? g.querySelector("title").textContent : "" };
@@ -153,7 +168,7 @@
       this.axes = g.querySelector(":scope > .axes");
       this.notes = [...g.querySelectorAll(":scope > .notes")];
       this.labelled = [...this.axes.querySelectorAll("text")].some((t) => Number(t.getAttribute("y")) > y1 * UNIT);
-      this.curves = [...g.querySelectorAll(":scope > .curve")].map((c) => {
+      const lines = (name) => [...g.querySelectorAll(`:scope > .${name}`)].map((c) => {
         const path = c.querySelector(":scope > path");
         return {
           g: c,
@@ -165,6 +180,12 @@
           points: [...c.querySelectorAll(":scope > .point")].map(place),
         };
       });
+      this.curves = lines("curve");
+      // Lines without values to be read: fronts, and limits, which are never out of sight.
+      this.guides = lines("guide");
+      this.limits = lines("limit");
+      this.uprights = [...g.querySelectorAll(":scope > .upright")].map(place);
+      this.bands = [...g.querySelectorAll(":scope > .band")];
       // Points without a line: each has a text of its own.
       this.points = [...g.querySelectorAll(":scope > .point")].map(place);
       for (const p of this.points) if (p.g.querySelector("title")) p.g.querySelector("title").remove();
@@ -254,7 +275,20 @@
       if (this.zoomedAxes) this.zoomedAxes.remove();
       if (zoomed) this.drawAxes();
       const clip = zoomed ? `url(#${this.clip()})` : "";
-      for (const curve of this.curves) {
+      for (const mark of this.uprights) {
+        const x = this.seenX(mark.x);
+        this.move(mark, x - mark.x, x >= this.x0 - 0.5 && x <= this.x1 + 0.5 ? 0 : NaN);
+      }
+      for (const band of this.bands) {
+        const scale = 1 / (this.view.x1 - this.view.x0);
+        const shape = band.firstElementChild;
+        if (zoomed) shape.setAttribute("transform", `translate(${UNIT * (this.seenX(0))} 0) scale(${scale} 1)`);
+        else shape.removeAttribute("transform");
+        if (clip) band.setAttribute("clip-path", clip);
+        else band.removeAttribute("clip-path");
+      }
+      for (const limit of this.limits) this.drawLimit(limit);
+      for (const curve of [...this.guides, ...this.curves]) {
         if (clip) curve.g.setAttribute("clip-path", clip);
         else curve.g.removeAttribute("clip-path");
         if (curve.path) curve.path.setAttribute("d", zoomed ? this.pathInView(curve) : curve.drawn);
@@ -267,6 +301,27 @@
       for (const p of this.points) {
         const [x, y] = [this.seenX(p.x), this.seenY(p.y)];
         this.move(p, x - p.x, this.holds(x, y) ? y - p.y : NaN);
+      }
+    }
+    // A limit beyond the part in view stands at the edge, with an arrow in its name.
+    drawLimit({ path, drawn, pieces, along }) {
+      const y = pieces.length ? pieces[0].ys[0] : NaN;
+      const seen = this.seenY(y);
+      const at = clamp(seen, this.y0, this.y1);
+      const arrow = seen < this.y0 - 0.5 ? "\u2191 " : seen > this.y1 + 0.5 ? "\u2193 " : "";
+      if (path) {
+        const [from, to, level] = [this.x0, this.x1, at].map((v) => Math.round(v * FINE));
+        path.setAttribute("d", this.isZoomed ? `M${from} ${level}L${to} ${level}` : drawn);
+      }
+      for (const mark of along) {
+        const text = mark.g.querySelector("text");
+        if (!text) continue;
+        if (mark.name === undefined) mark.name = text.textContent;
+        text.textContent = arrow + mark.name;
+        // Its name stays within the panel: below the line at the upper edge, above it elsewhere.
+        const low = at - this.y0 < 20 ? 16 : 0;
+        const own = Number(text.getAttribute("y")) / UNIT;
+        this.move(mark, 0, at - mark.y + (own < mark.y ? low : at > this.y1 - 20 ? -16 : 0));
       }
     }
     move({ g }, dx, dy) {
@@ -423,7 +478,7 @@
       else this.hidden.delete(entry);
       g.setAttribute("aria-pressed", String(!hide));
       g.setAttribute("aria-label", `${this.labels[entry]}: ${hide ? "hidden" : "shown"}`);
-      for (const c of this.svg.querySelectorAll(".curve, .panel > .point")) {
+      for (const c of this.svg.querySelectorAll(".curve, .guide, .panel > .point")) {
         if (c.dataset.entry === entry) c.classList.toggle("off", hide);
       }
       if (this.at !== undefined) this.show(this.at);
@@ -719,19 +774,26 @@
         return { x0, y0, x1, y1, x, y, xName: nameAndUnit(g.dataset.xName), yName: nameAndUnit(g.dataset.yName) };
       });
       this.rows = [...svg.querySelectorAll(".row")].map((row) => [...row.querySelectorAll(".cell")]);
+      // Lines over a map of values, such as orders and natural frequencies: the reasons for what is below them.
+      this.rays = [...svg.querySelectorAll(".ray")].map((g) => {
+        const path = g.querySelector("path");
+        return { name: g.dataset.name, pieces: path ? piecesOf(path) : [] };
+      });
       const title = svg.querySelector(":scope > title");
       const name = title ? title.textContent : "map";
       if (title) title.remove();
       svg.id = `map-${number}`;
-      svg.setAttribute("role", this.rows.length ? "group" : "img");
-      svg.setAttribute("aria-label", this.rows.length ? `${name}. Arrow keys move over the cells.` : name);
+      const moves = this.rows.length ? "over the cells" : "the cursor";
+      svg.setAttribute("role", "group");
+      svg.setAttribute("aria-roledescription", "interactive map");
+      svg.setAttribute("aria-label", `${name}. Arrow keys move ${moves}.`);
       this.readout = htmlElement("div", "readout", this.figure);
       this.readout.hidden = true;
       this.overlay = svgElement("g", { class: "overlay" }, svg);
       svg.addEventListener("pointermove", (e) => this.pointerMoved(e));
       svg.addEventListener("pointerleave", () => this.clear());
       svg.addEventListener("blur", () => this.clear());
-      if (!this.rows.length) return;
+      if (!this.rows.length && !this.frames.length) return;
       svg.setAttribute("tabindex", "0");
       svg.addEventListener("keydown", (e) => this.keyPressed(e));
     }
@@ -752,17 +814,55 @@
           const below = document.elementsFromPoint(event.clientX, event.clientY).find((e) => this.texts.has(e));
           text = below && this.texts.get(below);
         }
-        const at = (axis, name, part) => `${name.name} ${significant(valueAt(axis, part))}${name.unit ? "\u00a0" + name.unit : ""}`;
-        const place = [
-          at(frame.x, frame.xName, (x - frame.x0) / (frame.x1 - frame.x0)),
-          at(frame.y, frame.yName, (frame.y1 - y) / (frame.y1 - frame.y0)),
-        ];
-        if (text !== undefined) this.write(text, place.join(", "), event.clientX, event.clientY);
-        else this.clear();
+        if (text === undefined) this.clear();
+        else this.point(frame, { x, y }, text, event.clientX, event.clientY);
         return;
       }
       if (text === undefined) this.clear();
       else this.show(cell, event.clientX, event.clientY);
+    }
+    // Marks a place between the axes of a map of values and writes value, place and the lines there.
+    point(frame, { x, y }, text, clientX, clientY) {
+      this.at = { frame, x, y };
+      this.overlay.replaceChildren();
+      const [x0, y0, x1, y1] = [frame.x0, frame.y0, frame.x1, frame.y1].map((v) => v * UNIT);
+      svgElement("line", { x1: x * UNIT, x2: x * UNIT, y1: y0, y2: y1, class: "cross" }, this.overlay);
+      svgElement("line", { x1: x0, x2: x1, y1: y * UNIT, y2: y * UNIT, class: "cross" }, this.overlay);
+      const at = (axis, name, part) => `${name.name} ${significant(valueAt(axis, part))}${name.unit ? "\u00a0" + name.unit : ""}`;
+      const place = [
+        at(frame.x, frame.xName, (x - frame.x0) / (frame.x1 - frame.x0)),
+        at(frame.y, frame.yName, (frame.y1 - y) / (frame.y1 - frame.y0)),
+      ];
+      const near = this.rays.filter((ray) => distanceTo(ray, x, y) < ON_RAY).map((ray) => ray.name);
+      const why = near.length ? `; on ${near.join(" and ")}` : "";
+      this.write(text, place.join(", ") + why, clientX, clientY);
+    }
+    // Text of the colour at a place, as the topmost cell there has it.
+    textAt(x, y) {
+      const p = new DOMPoint(x * UNIT, y * UNIT);
+      for (const [path, text] of this.texts) if (path.isPointInFill && path.isPointInFill(p)) return text;
+      return undefined;
+    }
+    // Moves the cursor of a map of values; beyond the edge of a map lies the one next to it.
+    moveAt(step, size) {
+      let { frame, x, y } = this.at || {};
+      if (!frame) {
+        frame = this.frames[0];
+        [x, y] = [0.5 * (frame.x0 + frame.x1), 0.5 * (frame.y0 + frame.y1)];
+      } else {
+        x += (step[1] * size * (frame.x1 - frame.x0)) / STEPS;
+        y -= (step[0] * size * (frame.y1 - frame.y0)) / STEPS;
+        const next = this.frames[this.frames.indexOf(frame) + (y > frame.y1 ? 1 : y < frame.y0 ? -1 : 0)];
+        if (next && next !== frame) {
+          y = y > frame.y1 ? next.y0 : next.y1;
+          frame = next;
+        }
+      }
+      x = clamp(x, frame.x0 + 0.5, frame.x1 - 0.5);
+      y = clamp(y, frame.y0 + 0.5, frame.y1 - 0.5);
+      const text = this.textAt(x, y);
+      const screen = new DOMPoint(x * UNIT, y * UNIT).matrixTransform(this.svg.getScreenCTM());
+      this.point(frame, { x, y }, text === undefined ? "no value" : text, screen.x, screen.y);
     }
     // Marks a cell and writes its text: the values, then label and reason.
     show(cell, clientX, clientY) {
@@ -797,6 +897,11 @@
       if (event.key === "Escape") this.clear();
       if (!step || event.ctrlKey || event.metaKey || event.altKey) return;
       event.preventDefault();
+      if (!this.rows.length) {
+        this.moveAt(step, event.shiftKey ? 10 : 1);
+        live.textContent = this.spoken;
+        return;
+      }
       let row = this.rows.findIndex((r) => r.includes(this.cell));
       let column = row < 0 ? -1 : this.rows[row].indexOf(this.cell);
       if (row < 0) [row, column] = [0, 0];

@@ -46,9 +46,8 @@ pub fn modes(run: &Run) -> Option<String> {
 
 /// Returns a table of runs by model whose first columns identify the run.
 fn identified<'r>(view: &View<'_>, rows: &'r [Row<'r>]) -> Table<'r, Row<'r>> {
-    let index = |run: &Run| view.results.runs.iter().position(|r| std::ptr::eq(r, run));
     Table::of(rows)
-        .of_runs(|(r, ..)| index(r))
+        .of_runs(|(r, ..)| view.index_of(r))
         .grouped(|(_, label, style)| ((*label).into(), *style))
         .classed(|(r, ..)| class(r))
         .text("Integrator", |(r, ..)| r.integrator.clone())

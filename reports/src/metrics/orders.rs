@@ -32,8 +32,8 @@ const SHIFTS: usize = 256;
 pub struct CycleHistory {
     /// Mesh cycles that have passed, ascending.
     pub cycle: Vec<f64>,
-    /// Transmission error \[m\].
-    pub error_m: Vec<f64>,
+    /// Values of a quantity of a mesh, in general the transmission error \[m\].
+    pub values: Vec<f64>,
 }
 
 /// Real and imaginary part of the amplitude of an order \[m\].
@@ -59,7 +59,13 @@ impl CycleHistory {
     /// Returns the transmission error of a mesh of a run over its own mesh cycles; `None` where it was not recorded, or
     /// where the gears turn back by more than rounding errors.
     pub fn of_run(series: &TimeSeries, mesh: &str) -> Option<Self> {
-        Self::at(series, mesh, column(series, MESH_CYCLE, mesh)?)
+        Self::of_quantity(series, TRANSMISSION_ERROR, mesh)
+    }
+
+    /// Returns a quantity of a mesh of a run over its own mesh cycles; `None` as [`CycleHistory::of_run`].
+    pub fn of_quantity(series: &TimeSeries, quantity: Quantity, mesh: &str) -> Option<Self> {
+        let cycles = column(series, MESH_CYCLE, mesh)?;
+        Self::at(column(series, quantity, mesh)?, cycles)
     }
 
     /// Returns the transmission error of a mesh of a reference over its own mesh cycles, or over those of a run at the
@@ -77,15 +83,14 @@ impl CycleHistory {
                 )
             }
         };
-        Self::at(series, mesh, &cycles)
+        Self::at(column(series, TRANSMISSION_ERROR, mesh)?, &cycles)
     }
 
-    fn at(series: &TimeSeries, mesh: &str, cycles: &[f64]) -> Option<Self> {
-        let error = column(series, TRANSMISSION_ERROR, mesh)?;
+    fn at(values: &[f64], cycles: &[f64]) -> Option<Self> {
         let (first, last) = (cycles.first()?, cycles.last()?);
         let sign = (last - first).signum();
         let mut found = Self::default();
-        for (c, e) in cycles.iter().map(|c| sign * c).zip(error) {
+        for (c, e) in cycles.iter().map(|c| sign * c).zip(values) {
             if !(c.is_finite() && e.is_finite()) {
                 continue;
             }
@@ -95,7 +100,7 @@ impl CycleHistory {
                 Some(&before) => found.cycle.push(c.max(before)),
                 None => found.cycle.push(c),
             }
-            found.error_m.push(*e);
+            found.values.push(*e);
         }
         (found.cycle.len() > 1).then_some(found)
     }
@@ -126,11 +131,11 @@ impl CycleHistory {
         ((until(last) - until(first)) as f64 / (last - first) / SAMPLES) as usize
     }
 
-    /// Returns cycles and errors of the samples between two cycles, with both ends interpolated linearly.
+    /// Returns cycles and values of the samples between two cycles, with both ends interpolated linearly.
     pub fn between(&self, [first, last]: [f64; 2]) -> (Vec<f64>, Vec<f64>) {
         let inner =
             self.cycle.partition_point(|&c| c <= first)..self.cycle.partition_point(|&c| c < last);
-        let ends = at_times(&self.cycle, &self.error_m, &[first, last]);
+        let ends = at_times(&self.cycle, &self.values, &[first, last]);
         let with_ends = |ends: [f64; 2], inner: &[f64]| {
             let mut all = vec![ends[0]];
             all.extend_from_slice(inner);
@@ -139,7 +144,7 @@ impl CycleHistory {
         };
         (
             with_ends([first, last], &self.cycle[inner.clone()]),
-            with_ends([ends[0], ends[1]], &self.error_m[inner]),
+            with_ends([ends[0], ends[1]], &self.values[inner]),
         )
     }
 

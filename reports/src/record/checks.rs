@@ -1,6 +1,6 @@
 //! Rules that a record must satisfy to be saved, and the form in which it is saved.
 
-use crate::record::{ContactSnapshot, FlankLoad, Results, Run, SCHEMA, Steady, TorquePaths};
+use crate::record::{ContactSnapshot, FlankLoad, Results, Run, SCHEMA, Steady, Study, TorquePaths};
 use crate::series::TimeSeries;
 
 /// Checks every entry of a list; the error begins with the key and the place (from 0) of the entry.
@@ -86,6 +86,32 @@ impl Results {
                 }
             }
         }
+        self.validate_scenes()
+    }
+
+    /// Checks the records of further scenes: of the same study, with names of their own, without further scenes.
+    fn validate_scenes(&self) -> Result<(), String> {
+        let takes_several = [Study::Compare, Study::Sweep].contains(&self.study());
+        if !self.further.is_empty() && !takes_several {
+            return Err(format!(
+                "further: the study `{}` has one scene",
+                self.study_name()
+            ));
+        }
+        let mut names = vec![self.header.scene.as_str()];
+        for (i, results) in self.further.iter().enumerate() {
+            let of_scene = |e: String| format!("further[{i}]: {e}");
+            if results.study() != self.study() || !results.further.is_empty() {
+                let what = "expected a record of the same study with one scene";
+                return Err(of_scene(what.into()));
+            }
+            if names.contains(&results.header.scene.as_str()) {
+                let name = &results.header.scene;
+                return Err(of_scene(format!("two scenes have the name `{name}`")));
+            }
+            names.push(&results.header.scene);
+            results.validate().map_err(of_scene)?;
+        }
         Ok(())
     }
 
@@ -108,6 +134,7 @@ impl Results {
             measured: self.measured.clone(),
             mesh_modes: self.mesh_modes.clone(),
             part: self.part.clone(),
+            further: self.further.iter().map(Results::sanitised).collect(),
         };
         clean.tolerance = clean.tolerance.filter(|t| t.limit.is_finite());
         for reference in &mut clean.references {

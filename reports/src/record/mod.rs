@@ -136,7 +136,8 @@ impl Default for StudyHeader {
     }
 }
 
-/// One study of one scene: the content of `results.json`, without levels between header, part and the rest.
+/// One study of one scene, or of several of which this is the first: the content of `results.json`, without levels between
+/// header, part and the rest.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct Results {
@@ -164,9 +165,26 @@ pub struct Results {
     pub part: Part,
     /// The runs, failed ones included, in the order to be shown.
     pub runs: Vec<Run>,
+    /// Records of the further scenes of a study of several scenes, in the order of its command, each as the study of that
+    /// scene alone has it.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub further: Vec<Results>,
 }
 
 impl Results {
+    /// Returns the records of all scenes of the study, in the order of its command; of one scene the record itself.
+    pub fn scenes(&self) -> impl Iterator<Item = &Results> {
+        std::iter::once(self).chain(&self.further)
+    }
+
+    /// Joins the records of a study of one or several scenes; `None` without any.
+    pub fn joined(records: impl IntoIterator<Item = Results>) -> Option<Results> {
+        let mut records = records.into_iter();
+        let mut first = records.next()?;
+        first.further.extend(records);
+        Some(first)
+    }
+
     /// Returns the study that made the record.
     pub fn study(&self) -> Study {
         self.part.study()

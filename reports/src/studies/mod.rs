@@ -227,9 +227,15 @@ pub(crate) fn files() -> Vec<FileDescription> {
 /// [`DrawError`] when the drawing backend refuses.
 pub fn report(results: &Results) -> Result<StudyReport, DrawError> {
     let mut report = of_part(results)?;
-    let mesh_modes = mesh_modes::tables(&results.mesh_modes);
-    report.tables = maud::html! { (report.tables) (mesh_modes) };
-    report.csv.extend(mesh_modes::csv(&results.mesh_modes));
+    let views = View::of_scenes(results);
+    report.tables = maud::html! {
+        (report.tables)
+        @for view in &views { (of_scene(view, &mesh_modes::tables(&view.results.mesh_modes))) }
+    };
+    let modes = |v: &View<'_>| mesh_modes::csv(&v.results.mesh_modes).into_iter().collect();
+    report.csv.extend(CsvTable::of_scenes(
+        views.iter().map(|v| (v.scene, modes(v))),
+    ));
     if report.viewer.is_none()
         && let Some((still, viewer)) = moving_modes::of_mesh_modes(&results.mesh_modes)?
     {
@@ -247,12 +253,12 @@ pub fn report(results: &Results) -> Result<StudyReport, DrawError> {
     Ok(report)
 }
 
-/// Returns the finding of a record as sentences without markup, for a terminal.
+/// Returns the finding of a record of one scene, or of the first of several, as sentences without markup, for a terminal.
 ///
 /// # Errors
 /// [`DrawError`] when the drawing backend refuses.
 pub fn finding(results: &Results) -> Result<Vec<String>, DrawError> {
-    let report = of_part(results)?;
+    let report = of_views(&[View::new(results)])?;
     Ok(report.finding.iter().map(crate::markup::text).collect())
 }
 
@@ -269,14 +275,20 @@ pub fn measured_lines(results: &Results) -> Result<Vec<String>, DrawError> {
 
 /// Returns the report of the part that is specific to the study, without mesh modes, measured curves and `runs.csv`.
 fn of_part(results: &Results) -> Result<StudyReport, DrawError> {
-    let view = &View::new(results);
+    of_views(&View::of_scenes(results))
+}
+
+/// Returns the same report of the scenes of a record.
+fn of_views(views: &[View<'_>]) -> Result<StudyReport, DrawError> {
+    let view = &views[0];
+    let results = view.results;
     let mut report = match &results.part {
-        Part::Compare(part) => compare::report(view, part),
+        Part::Compare(_) => compare::report(views),
         Part::Precision(_) => precision::report(view),
         Part::Stability(part) => stability::report(part),
         Part::Choose(part) => choose::report(&part.choice),
         Part::Check(part) => check::report(part),
-        Part::Sweep(part) => sweep::report(view, &part.statics),
+        Part::Sweep(_) => sweep::report(views),
         Part::Identify(part) => identify::report(part),
         Part::Modes(part) => modes::report(&part.vibrations),
         Part::Response(part) => response::report(&part.responses),
@@ -286,8 +298,57 @@ fn of_part(results: &Results) -> Result<StudyReport, DrawError> {
         Part::Scan(part) => scan::report(part),
         Part::Tabular(part) => tabular::report(view, part),
     }?;
-    report.csv.extend(runs::of_study(results, &report.csv));
+    let csv = std::mem::take(&mut report.csv);
+    let tables = views.iter().map(|view| {
+        let mut own = match &view.results.part {
+            Part::Compare(_) => compare::csv(view),
+            Part::Sweep(part) => sweep::csv::tables(view.results, &part.statics),
+            // Studies of one scene.
+            _ => csv.clone(),
+        };
+        own.extend(runs::of_study(view.results, &own));
+        (view.scene, own)
+    });
+    report.csv = CsvTable::of_scenes(tables);
     Ok(report)
+}
+
+/// Returns the sentences of one or several scenes. Of several, the first has the answers of all; `of` returns the
+/// sentences of a scene with the index of the answer.
+fn findings(
+    views: &[View<'_>],
+    of: impl Fn(&View<'_>) -> (Vec<Markup>, usize),
+) -> (Vec<Markup>, usize) {
+    if let [only] = views {
+        return of(only);
+    }
+    let (mut answers, mut others) = (Vec::new(), Vec::new());
+    for view in views {
+        // Below the name of their scene, models need no name of it.
+        let (mut sentences, answer) = of(&View::new(view.results));
+        let name = view.scene.unwrap_or_default();
+        if answer < sentences.len() {
+            answers.push((name, sentences.remove(answer)));
+        }
+        others.push((name, crate::markup::sentences(&sentences)));
+    }
+    let by_scene = |all: &[(&str, Markup)]| {
+        maud::html! {
+            @for (i, (name, said)) in all.iter().filter(|s| !s.1.0.is_empty()).enumerate() {
+                @if i > 0 { " " br; }
+                b { (name) } ": " (said)
+            }
+        }
+    };
+    (vec![by_scene(&answers), by_scene(&others)], 0)
+}
+
+/// Renders the sections of a scene, under its name if the page has several.
+pub(crate) fn of_scene(view: &View<'_>, sections: &Markup) -> Markup {
+    match view.scene.filter(|_| !sections.0.is_empty()) {
+        Some(scene) => maud::html! { div.scene { p.scene { "Scene " b { (scene) } } (sections) } },
+        None => sections.clone(),
+    }
 }
 
 /// The report of a study: everything that page, charts and CSV files are written from.

@@ -425,7 +425,7 @@ pub(super) fn axis_over(values: impl Iterator<Item = f64>, factor: f64) -> Optio
 /// Returns the report of a study whose results are one table.
 pub(super) fn report(view: &View<'_>, record: &TabularRecord) -> Result<StudyReport, DrawError> {
     let mut charts = record.charts()?;
-    charts.extend(histories::force(view)?);
+    charts.extend(histories::force(std::slice::from_ref(view))?);
     let content = html! {
         (record.table())
         @if !record.remark.is_empty() { (note(prose(&record.remark))) }

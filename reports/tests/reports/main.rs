@@ -6,6 +6,7 @@ mod modes;
 mod mutated;
 mod pages;
 mod precision;
+mod scenes;
 mod studies;
 mod trains;
 

@@ -302,10 +302,10 @@ fn the_meshes_of_a_model_share_a_panel() {
         // One model has moving teeth: both gears are in its panels.
         let moves = usize::from(model.starts_with("movable"));
         for what in [
-            "deflection of a tooth",
-            "radial force",
-            "tangential force",
-            "spring force",
+            "deflection of a tooth, S_i \u{2212} \u{3c6}",
+            "radial force F_n",
+            "tangential force F_t",
+            "spring force F_te",
         ] {
             assert_eq!(of(what), moves, "{what}");
         }

@@ -175,3 +175,102 @@ fn histories_are_an_even_grid_with_events_beside() {
         }
     }
 }
+
+/// A shipped scene, and the text of a file with it under another name.
+fn with_another_name(scene: &str, name: &str, text: &str) -> String {
+    text.replace(
+        &format!("name = \"{scene}\""),
+        &format!("name = \"{name}\""),
+    )
+}
+
+/// A record as JSON without values of the clock, and without the command, the source and the files of histories.
+fn without_clock(mut record: serde_json::Value) -> serde_json::Value {
+    use serde_json::Value;
+    fn strip(value: &mut Value) {
+        match value {
+            Value::Object(members) => {
+                for key in gearbench_reports::record::OF_THE_CLOCK {
+                    members.remove(key);
+                }
+                members.remove("files");
+                members.values_mut().for_each(strip);
+            }
+            Value::Array(items) => items.iter_mut().for_each(strip),
+            _ => {}
+        }
+    }
+    strip(&mut record);
+    record
+}
+
+/// Two scenes in one report: the record of each is that of its own comparison, the terminal has the finding of each, and
+/// the record is made again from itself. Two scenes of one name are refused.
+#[test]
+fn scenes_are_compared_in_one_report() {
+    let folder = Folder::new();
+    let hammer = include_str!("../../../scenes/hammer.toml");
+    let tighter = with_another_name("hammer", "tighter", hammer);
+    assert_ne!(tighter, hammer);
+    folder.write("tighter.toml", &tighter);
+    let of = "--models rigid --integrators dopri5@1e-6 --repeats 1";
+    let said = folder.says(&format!("compare hammer tighter.toml {of}"));
+    has(&said, &["scene hammer:", "scene tighter:"]);
+    let own = "out/hammer+tighter/compare";
+    super::as_documented(&folder.at(own));
+    has(
+        &folder.read(&format!("{own}/index.html")),
+        &["hammer: rigid", "tighter: rigid"],
+    );
+    has(
+        &folder.read(&format!("{own}/force.svg")),
+        &["hammer: rigid", "tighter: rigid"],
+    );
+    let record = |path: &str| -> serde_json::Value {
+        serde_json::from_str(&folder.read(&format!("{path}/results.json"))).unwrap()
+    };
+    let both = record(own);
+    folder.says(&format!("compare hammer {of} --out alone"));
+    let mut first = both.clone();
+    let second = first.as_object_mut().unwrap().remove("further").unwrap()[0].clone();
+    let alone = without_clock(record("alone"));
+    assert_eq!(without_clock(first), alone);
+    // The same gears under another name have the same runs.
+    assert_eq!(without_clock(second)["runs"], alone["runs"]);
+    has(&folder.says(&format!("rerun {own}")), &["the same"]);
+    folder.refuses(
+        &format!("compare hammer hammer {of} --out twice"),
+        &["two scenes", "`hammer`", "another `name`"],
+    );
+    // The folder of both is not that of one of them.
+    folder.refuses(
+        &format!("compare hammer {of} --out {own}"),
+        &["another scene"],
+    );
+}
+
+/// A sweep of two scenes has one table and one chart with the names of both.
+#[test]
+fn scenes_are_swept_in_one_report() {
+    let folder = Folder::new();
+    let loaded = include_str!("../../../scenes/loaded_mesh.toml");
+    let other = with_another_name("loaded_mesh", "other", loaded);
+    folder.write("other.toml", &other);
+    let of = "--models rigid --points 2 --cycles 2 --from 500 --to 800 --branches up --out here";
+    let said = folder.says(&format!("sweep loaded_mesh other.toml {of}"));
+    has(&said, &["scene loaded_mesh:", "scene other:"]);
+    super::as_documented(&folder.at("here"));
+    let table = folder.read("here/sweep.csv");
+    let rows: Vec<&str> = table.lines().collect();
+    assert_eq!(rows.len(), 1 + 4, "{table}");
+    assert!(rows[1].starts_with("loaded_mesh,rigid,") && rows[3].starts_with("other,rigid,"));
+    // The same gears have the same results.
+    assert_eq!(
+        rows[1].strip_prefix("loaded_mesh"),
+        rows[3].strip_prefix("other")
+    );
+    has(
+        &folder.read("here/sweep.svg"),
+        &["loaded_mesh: rigid", "other: rigid"],
+    );
+}

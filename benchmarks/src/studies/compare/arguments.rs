@@ -12,6 +12,7 @@ Examples:
   gearbench compare spur_impact --models rigid,rigid-iso6336 --out out/norm
   gearbench compare pair.toml --yardstick refined
   gearbench compare hammer --no-events --repeats 1
+  gearbench compare beveloid beveloid_corrected      two scenes in one report, with common charts
   gearbench compare spur_impact --models elastic --vtu 60 --vtu-window 0,1.5e-4
 
 A run that fails (blow-up, Newton failure, energy growth, ...) is a row of the report and does not stop the study.
@@ -24,6 +25,10 @@ pub struct Compare {
     /// Name of a shipped scene, or path of a scene file (.toml)
     #[arg(default_value = DEFAULT_SCENE)]
     pub scene: String,
+    /// Further scenes whose results share charts and tables with those of the first, each with its own models, references
+    /// and tolerance
+    #[arg(value_name = "SCENE")]
+    pub further: Vec<String>,
     /// Models of the scene by label, separated by commas [default: the models of its study]
     #[arg(long, value_name = "A,B")]
     pub models: Option<String>,
@@ -72,6 +77,7 @@ impl Default for Compare {
     fn default() -> Self {
         Compare {
             scene: DEFAULT_SCENE.to_owned(),
+            further: Vec::new(),
             models: None,
             integrators: None,
             yardstick: None,

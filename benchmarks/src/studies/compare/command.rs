@@ -10,16 +10,65 @@ use crate::cli::terminal::{Refusal, absolute, integrators_of, references_of, ref
 use crate::context::Context;
 use crate::experiment::conditions::Conditions;
 use crate::experiment::settings::settings;
-use crate::scene_file::{self, Selection};
+use crate::scene_file::{self, SceneFile, Selection};
 use gearbench_reports::Study;
+use gearbench_reports::record::Results;
 
-/// Runs the comparison and writes its folder.
+/// Runs the comparison of one or several scenes and writes its folder.
 pub fn run(context: &Context, args: &Compare, command: &str) -> Result<CommandResult, Refusal> {
-    let mut scene = scene_file::load_for(
-        context,
-        &args.scene,
-        Selection::Labels(args.models.as_deref()),
-    )?;
+    let names = std::iter::once(&args.scene).chain(&args.further);
+    let prepared: Vec<(SceneFile, Plan)> = names
+        .map(|name| prepare(context, name, args, command))
+        .collect::<Result<_, _>>()?;
+    let output = &args.run.bounded.output;
+    let scenes: Vec<&SceneFile> = prepared.iter().map(|(scene, _)| scene).collect();
+    let mut folder = StudyFolder::of_scenes(output, &scenes, Study::Compare.as_str())?;
+    let frames = args.vtu.map(|_| folder.path().join("vtu"));
+    let mut plans = Vec::with_capacity(prepared.len());
+    for (scene, plan) in &prepared {
+        let window = window(&args.vtu_window, scene.duration)?;
+        let pictures = args
+            .vtu
+            .zip(frames.as_ref())
+            .map(|(count, path)| FramePlan {
+                folder: match prepared.len() {
+                    1 => path.clone(),
+                    _ => path.join(&scene.name),
+                },
+                frames: count as usize,
+                window,
+            });
+        let plan = plan.clone();
+        plans.push(Plan { pictures, ..plan });
+    }
+    let made = folder.run(plans.iter().map(Plan::len).sum(), |runner| {
+        let records = plans.iter().map(|plan| compare(plan, runner));
+        Ok(Results::joined(records.collect::<Result<Vec<_>, _>>()?))
+    });
+    let made = made.map_err(|e| folder.refuse(refuse_run(e)))?;
+    folder.finish(
+        made.unwrap_or_default(),
+        Exit::of_comparison,
+        |messages, results| {
+            summarise(messages, results);
+            if let Some(frames) = frames.clone().filter(|f| f.exists()) {
+                messages.print_line(&format!(
+                    "frames for ParaView: {}",
+                    absolute(frames).display()
+                ));
+            }
+        },
+    )
+}
+
+/// Reads a scene and plans its comparison, without frames.
+fn prepare(
+    context: &Context,
+    name: &str,
+    args: &Compare,
+    command: &str,
+) -> Result<(SceneFile, Plan), Refusal> {
+    let mut scene = scene_file::load_for(context, name, Selection::Labels(args.models.as_deref()))?;
     let references = references_of(&mut scene, &args.insist)?;
     if let Some(yardstick) = args.yardstick.as_deref().filter(|name| *name != REFINED) {
         scene.damp_unbuilt(&[yardstick])?;
@@ -42,30 +91,7 @@ pub fn run(context: &Context, args: &Compare, command: &str) -> Result<CommandRe
         Some(methods) => plan.with_methods(methods),
         None => plan,
     };
-    let window = window(&args.vtu_window, scene.duration)?;
-    let output = &args.run.bounded.output;
-    let mut folder = StudyFolder::of(output, &scene, Study::Compare.as_str())?;
-    let pictures = args.vtu.map(|frames| FramePlan {
-        folder: folder.path().join("vtu"),
-        frames: frames as usize,
-        window,
-    });
-    let frames = pictures.as_ref().map(|p| p.folder.clone());
-    let plan = Plan { pictures, ..plan };
-    let made = folder.run(plan.len(), |runner| compare(&plan, runner));
-    folder.finish(
-        made.map_err(|e| folder.refuse(refuse_run(e)))?,
-        Exit::of_comparison,
-        |messages, results| {
-            summarise(messages, results);
-            if let Some(frames) = frames.filter(|f| f.exists()) {
-                messages.print_line(&format!(
-                    "frames for ParaView: {}",
-                    absolute(frames).display()
-                ));
-            }
-        },
-    )
+    Ok((scene, plan))
 }
 
 /// Returns the first and last time of frames [s]: the given ones, else those of the whole run.

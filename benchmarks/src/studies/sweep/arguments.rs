@@ -11,6 +11,7 @@ const EXAMPLES: &str = "\
 Examples:
   gearbench sweep                                    the scene loaded_mesh
   gearbench sweep loaded_mesh --models rigid --points 100
+  gearbench sweep beveloid beveloid_corrected        two scenes in one report, with common charts
   gearbench sweep my_scene.toml --from 200 --to 6000 --out out/run_up
 
 The speed increases and then decreases in steps. Each run starts from the final state of the run before it, since
@@ -46,6 +47,10 @@ pub struct Sweep {
     /// Name of a shipped scene, or path of a scene file (.toml)
     #[arg(default_value = "loaded_mesh")]
     pub scene: String,
+    /// Further scenes whose results share charts and tables with those of the first, each with its own models and range of
+    /// speeds
+    #[arg(value_name = "SCENE")]
+    pub further: Vec<String>,
     /// Models of the scene by label, separated by commas [default: the models of its study]
     #[arg(long, value_name = "A,B")]
     pub models: Option<String>,

@@ -12,14 +12,15 @@ use crate::context::Context;
 use crate::experiment::conditions::Conditions;
 use crate::experiment::configuration::Configuration;
 use crate::experiment::settings::settings;
-use crate::scene_file::{self, ModelChoice, Selection};
+use crate::scene_file::{self, ModelChoice, SceneFile, Selection};
 use gearbench_integrators::table::VELOCITY_VERLET;
 use gearbench_reports::Study;
+use gearbench_reports::record::Results;
 
 /// Default range of mesh frequencies over that of the resonance [-].
 const AROUND: [f64; 2] = [0.06, 1.5];
 
-/// Runs the sweep and writes its folder.
+/// Runs the sweep of one or several scenes and writes its folder.
 pub fn run(context: &Context, args: &Sweep, command: &str) -> Result<CommandResult, Refusal> {
     if let (Some(from), Some(to)) = (args.from, args.to)
         && from >= to
@@ -29,13 +30,35 @@ pub fn run(context: &Context, args: &Sweep, command: &str) -> Result<CommandResu
             "the sweep from {from} to {to} Hz is empty"
         )));
     }
-    let unbuilt = scene_file::load_for(context, &args.scene, Selection::None)?;
+    let names = std::iter::once(&args.scene).chain(&args.further);
+    let prepared: Vec<(SceneFile, Plan)> = names
+        .map(|name| prepare(context, name, args, command))
+        .collect::<Result<_, _>>()?;
+    let scenes: Vec<&SceneFile> = prepared.iter().map(|(scene, _)| scene).collect();
+    let mut folder = StudyFolder::of_scenes(&args.run.output, &scenes, Study::Sweep.as_str())?;
+    let count = prepared.iter().map(|(_, plan)| plan.count()).sum();
+    let made = folder.run(count, |runner| {
+        let records = (prepared.iter())
+            .map(|(scene, plan)| sweep(plan, runner).map_err(|e| refuse_study(scene, e)));
+        Ok(Results::joined(records.collect::<Result<Vec<_>, _>>()?))
+    });
+    folder.finish(
+        made.map_err(|e| folder.refuse(e))?.unwrap_or_default(),
+        Exit::of_every_run,
+        summarise,
+    )
+}
+
+/// Reads a scene and plans its sweep.
+fn prepare(
+    context: &Context,
+    name: &str,
+    args: &Sweep,
+    command: &str,
+) -> Result<(SceneFile, Plan), Refusal> {
+    let unbuilt = scene_file::load_for(context, name, Selection::None)?;
     check(&unbuilt.name, &unbuilt.spec).map_err(|e| refuse_study(&unbuilt, e))?;
-    let scene = scene_file::load_for(
-        context,
-        &args.scene,
-        Selection::Labels(args.models.as_deref()),
-    )?;
+    let scene = scene_file::load_for(context, name, Selection::Labels(args.models.as_deref()))?;
     let choices = scene.select(args.models.as_deref())?;
     // Full finite elements run far too long; they serve for the static limit only.
     let full = |m: &ModelChoice| unbuilt.properties_of(&m.model).full_order;
@@ -78,7 +101,6 @@ pub fn run(context: &Context, args: &Sweep, command: &str) -> Result<CommandResu
         settle: told.settle(),
         positions: args.positions,
     };
-    let refuse = |e| refuse_study(&scene, e);
     let range = match (args.from, args.to, told.range()) {
         (Some(from), Some(to), _) => [from, to],
         (_, _, Some(range)) => range,
@@ -94,12 +116,5 @@ pub fn run(context: &Context, args: &Sweep, command: &str) -> Result<CommandResu
     plan.frequencies = (0..points)
         .map(|i| range[0] + (range[1] - range[0]) * i as f64 / (points - 1) as f64)
         .collect();
-
-    let mut folder = StudyFolder::of(&args.run.output, &scene, Study::Sweep.as_str())?;
-    let made = folder.run(plan.count(), |runner| sweep(&plan, runner));
-    folder.finish(
-        made.map_err(|e| folder.refuse(refuse(e)))?,
-        Exit::of_every_run,
-        summarise,
-    )
+    Ok((scene, plan))
 }

@@ -2,13 +2,13 @@
 
 use crate::drawing::Chart;
 use crate::drawing::axis::{Axis, Frame, TICK_SIZE};
-use crate::drawing::canvas::{Anchor, DrawError, Ink, Type, draw};
+use crate::drawing::canvas::{Anchor, DrawError, Ink, Type, draw_with};
 use crate::drawing::geometry::Rect;
 use crate::drawing::labels::OccupiedArea;
 use crate::drawing::panel::{LEFT, RIGHT, WIDTH, extremes};
 use crate::drawing::scatter;
 use crate::drawing::style::{curve_style, marker};
-use crate::numbers::{Prefix, quantity, short};
+use crate::numbers::{Prefix, per_cent, quantity, short};
 use crate::studies::choose::{Adequacy, CandidateRecord, ChoiceRecord};
 
 /// A candidate that has both an error and a cost.
@@ -18,6 +18,25 @@ struct Point<'a> {
     cost: f64,
     error: f64,
     chosen: bool,
+}
+
+impl Point<'_> {
+    fn is_adequate(&self) -> bool {
+        self.tried.adequate == Adequacy::Adequate
+    }
+
+    /// Returns candidate, verdict, error and cost as a text.
+    fn text(&self) -> String {
+        format!(
+            "{}, {}: {}; {} in {}{}",
+            self.tried.level,
+            self.tried.method(),
+            self.tried.adequate,
+            per_cent(0.01 * self.error, 3),
+            quantity(self.cost, "s", 3),
+            if self.chosen { ", the choice" } else { "" }
+        )
+    }
 }
 
 /// Draws the chart of a choice.
@@ -57,37 +76,48 @@ pub fn choose(choice: &ChoiceRecord) -> Result<Option<Chart>, DrawError> {
     let top = 6.0 + scatter::key_height(&names, WIDTH) + scatter::failures_height(failed.len());
     let area = Rect::new(LEFT, top, WIDTH - RIGHT, top + 360.0);
     let title = "Estimated error against predicted cost";
-    let svg = draw(WIDTH, area.y1 + 46.0, title, |c| {
+    let svg = draw_with(WIDTH, area.y1 + 46.0, title, &scatter::panels(), |c| {
         scatter::key(c, &names, WIDTH, false);
         scatter::failures(c, &failed, WIDTH, top, "choose.csv");
         let frame = Frame { area, x, y };
         let name = format!("estimated error of the {} [%]", choice.metric_title);
         let cost = format!("processor time for the whole scene [{}s]", prefix.symbol);
-        frame.paint(c, &cost, &name, true);
-        let mut room = OccupiedArea::of(area);
-        let tolerance = scatter::tolerance(c, &frame, limit, &mut room);
-        let at = |p: &Point<'_>| frame.at(p.cost * prefix.factor, p.error);
-        for p in &points {
-            let mut l = curve_style(p.style);
-            let adequate = p.tried.adequate == Adequacy::Adequate;
-            let radius = if adequate { 5.2 } else { 3.6 };
-            if !adequate {
-                l.ink = l.ink.opacity(0.35);
+        c.group(&frame.attributes("panel", &cost, &name, ""), |c| {
+            frame.paint(c, &cost, &name, true);
+            let mut room = OccupiedArea::of(area);
+            let at = |p: &Point<'_>| frame.at(p.cost * prefix.factor, p.error);
+            let radius = |p: &Point<'_>| match (p.chosen, p.is_adequate()) {
+                (true, _) => 10.0,
+                (_, true) => 6.2,
+                _ => 4.6,
+            };
+            points
+                .iter()
+                .for_each(|p| room.occupy_point(at(p), radius(p)));
+            let tolerance = (limit, format!("tolerance {} %", short(limit, 3)));
+            scatter::limits(c, &frame, &[tolerance], &mut room);
+            for p in &points {
+                let mut l = curve_style(p.style);
+                let size = if p.is_adequate() { 5.2 } else { 3.6 };
+                if !p.is_adequate() {
+                    l.ink = l.ink.opacity(0.35);
+                }
+                scatter::point(c, at(p), (p.style, None), &p.text(), |c| {
+                    marker(c, at(p), size, l, true);
+                    if p.chosen {
+                        c.circle(at(p), 10.0, Ink::DARK, Some(2.0));
+                    }
+                });
             }
-            marker(c, at(p), radius, l, true);
-            room.occupy_point(at(p), radius + 1.0);
-        }
-        if let Some(p) = points.iter().find(|p| p.chosen) {
-            c.circle(at(p), 10.0, Ink::DARK, Some(2.0));
-            room.occupy_point(at(p), 10.0);
-            let cost = quantity(p.cost, "s", 3);
-            let text = format!("{}, {}: {cost}", p.tried.level, p.tried.method());
-            let kind = Type::new(TICK_SIZE, Anchor::Start).bold();
-            room.write(c, &text, at(p), kind);
-        }
-        let text = format!("tolerance {} %", short(limit, 3));
-        let kind = Type::new(TICK_SIZE, Anchor::Start).ink(Ink::GREY);
-        room.write_along(c, &text, tolerance, kind);
+            if let Some(p) = points.iter().find(|p| p.chosen) {
+                let cost = quantity(p.cost, "s", 3);
+                let text = format!("{}, {}: {cost}", p.tried.level, p.tried.method());
+                let kind = Type::new(TICK_SIZE, Anchor::Start).bold();
+                c.group(&scatter::notes(), |c| {
+                    room.write(c, &text, at(p), kind);
+                });
+            }
+        });
     })?;
     Ok(Some(Chart {
         file: "choose.svg".into(),

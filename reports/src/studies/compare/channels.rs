@@ -10,8 +10,9 @@ use crate::series::{CONTACT_FORCE, TRANSMISSION_ERROR};
 use crate::view::View;
 
 /// Draws a panel for each such history of tabulated references, with the runs that have it.
-pub fn channels(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
-    let tables = (view.results.references.iter()).filter(|r| !r.processing.is_empty());
+pub fn channels(views: &[View<'_>]) -> Result<Option<Chart>, DrawError> {
+    let references = views.iter().flat_map(|v| &v.results.references);
+    let tables = references.filter(|r| !r.processing.is_empty());
     let mut names: Vec<&str> = Vec::new();
     for series in tables.flat_map(|r| r.all_series()) {
         for c in &series.columns {
@@ -21,7 +22,7 @@ pub fn channels(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
             }
         }
     }
-    let Some(h) = Histories::of(view).filter(|_| !names.is_empty()) else {
+    let Some(h) = Histories::of(views).filter(|_| !names.is_empty()) else {
         return Ok(None);
     };
     names.sort_by_key(|n| TRANSMISSION_ERROR.subject(n).is_none());

@@ -11,6 +11,7 @@ use crate::drawing::labels::OccupiedArea;
 use crate::drawing::panel::{LEFT, RIGHT, WIDTH, extremes};
 use crate::drawing::scatter::{self, Numbers};
 use crate::drawing::style::{cross, curve_style, marker};
+use crate::metrics::Metric;
 use crate::numbers::{Prefix, quantity, short};
 use crate::record::{ReferenceSeries, Run, Status};
 use crate::view::{NOTHING, View, capital, resolution};
@@ -26,19 +27,22 @@ fn measured(run: &Run) -> bool {
 }
 
 /// Draws bars of processor time, one per run, sorted within each model.
-pub fn runtime(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
-    let times: Vec<f64> = (view.results.runs.iter())
+pub fn runtime(views: &[View<'_>]) -> Result<Option<Chart>, DrawError> {
+    let groups = || views.iter().flat_map(|v| &v.groups);
+    let runs = || views.iter().flat_map(|v| &v.results.runs);
+    let times: Vec<f64> = runs()
         .filter(|r| !r.status.is_failure() && measured(r))
-        .map(|r| r.cost_s())
+        .map(Run::cost_s)
         .collect();
-    if view.results.runs.is_empty() {
+    if runs().next().is_none() {
         return Ok(None);
     }
-    let stored: Vec<&ReferenceSeries> = (view.results.references.iter())
-        .filter(|r| stored_cost(r).is_some())
+    let stored: Vec<(&View<'_>, &ReferenceSeries)> = (views.iter())
+        .flat_map(|v| v.results.references.iter().map(move |r| (v, r)))
+        .filter(|(_, r)| stored_cost(r).is_some())
         .collect();
     let times: Vec<f64> = (times.into_iter())
-        .chain(stored.iter().filter_map(|r| stored_cost(r)))
+        .chain(stored.iter().filter_map(|(_, r)| stored_cost(r)))
         .collect();
     let (least, most) = extremes(times.iter().copied());
     let prefix = Prefix::of(
@@ -58,8 +62,8 @@ pub fn runtime(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
     } else {
         Axis::from_zero(high)
     };
-    let rows = view.results.runs.len() as f64;
-    let heads = view.groups.len() as f64;
+    let rows = runs().count() as f64;
+    let heads = groups().count() as f64;
     let mut body = rows * ROW + heads * HEAD;
     if !stored.is_empty() {
         body += HEAD + stored.len() as f64 * ROW;
@@ -76,7 +80,7 @@ pub fn runtime(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
         let edge = [(area.x0, area.y0), (area.x0, area.y1)];
         c.line(&edge, Stroke::new(Ink::PALE, 1.0));
         let mut y = area.y0 + 3.0;
-        for group in &view.groups {
+        for group in groups() {
             let middle = y + 0.6 * HEAD;
             marker(c, (9.0, middle), 5.2, curve_style(group.style), true);
             let bold = Type::new(13.5, Anchor::Start).bold();
@@ -97,21 +101,16 @@ pub fn runtime(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
             c.text("Stored references", (20.0, y + 0.6 * HEAD), bold);
             y += HEAD;
         }
-        for reference in stored {
+        for (view, reference) in &stored {
             stored_bar(c, &frame, view, reference, y, prefix);
             y += ROW;
         }
     })?;
-    let other = match view
-        .results
-        .references
-        .iter()
-        .any(|r| stored_cost(r).is_some())
-    {
-        true => {
+    let other = match stored.is_empty() {
+        false => {
             " Grey bars of stored references are the processor time of another program, on the machine where they were computed."
         }
-        false => "",
+        true => "",
     };
     let scale = if log { " (logarithmic axis)" } else { "" };
     Ok(Some(Chart {
@@ -146,7 +145,7 @@ fn stored_bar(
         return;
     };
     let middle = y + 0.5 * ROW;
-    let name = view.reference_name(&reference.id);
+    let name = view.with_scene(&view.reference_name(&reference.id));
     let fits =
         |n: usize| text_width(&name.chars().take(n).collect::<String>(), 12.5) < BARS_LEFT - 40.0;
     let kept = (0..=name.chars().count())
@@ -218,6 +217,9 @@ fn bar(c: &mut Canvas, frame: &Frame, run: &Run, style: usize, y: f64, prefix: P
 
 /// A run in the chart of errors over processor time.
 struct Point<'a> {
+    view: &'a View<'a>,
+    /// Label of its model.
+    label: &'a str,
     /// Index of the look of its model.
     style: usize,
     /// Index of the run in the record.
@@ -228,30 +230,51 @@ struct Point<'a> {
 
 impl Point<'_> {
     /// Returns model, method, error and cost as a text.
-    fn text(&self, view: &View<'_>) -> String {
+    fn text(&self) -> String {
         format!(
             "{} under {}, {}: {} in {}",
-            self.run.model_label(),
+            self.label,
             self.run.integrator,
             resolution(self.run),
-            view.error_text(self.error),
+            self.view.error_text(self.error),
             quantity(self.run.cost_s(), "s", 3)
         )
     }
 }
 
-/// Draws the error over processor time, a point per run.
-pub fn accuracy(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
-    let Some(against) = &view.against else {
-        return Ok(None);
-    };
-    let good: Vec<Point<'_>> = (view.groups.iter())
-        .flat_map(|g| g.runs.iter().map(move |(i, r)| (g.style, *i, *r)))
+/// Draws the error over processor time, a point per run: a chart for each metric of the scenes, mostly one.
+pub fn accuracy(views: &[View<'_>]) -> Result<Vec<Chart>, DrawError> {
+    let mut metrics: Vec<Metric> = Vec::new();
+    for view in views.iter().filter(|v| v.against.is_some()) {
+        if !metrics.contains(&view.metric) {
+            metrics.push(view.metric);
+        }
+    }
+    let charts = metrics.into_iter().map(|metric| {
+        let of_metric = |v: &&View<'_>| v.metric == metric && v.against.is_some();
+        accuracy_in(metric, &views.iter().filter(of_metric).collect::<Vec<_>>())
+    });
+    Ok(charts
+        .collect::<Result<Vec<_>, _>>()?
+        .into_iter()
+        .flatten()
+        .collect())
+}
+
+/// Draws the error in a metric over processor time, of scenes whose errors are in it.
+fn accuracy_in(metric: Metric, views: &[&View<'_>]) -> Result<Option<Chart>, DrawError> {
+    let all = views
+        .iter()
+        .flat_map(|v| v.groups.iter().map(move |g| (*v, g)));
+    let good: Vec<Point<'_>> = (all.clone())
+        .flat_map(|(v, g)| g.runs.iter().map(move |(i, r)| (v, g, *i, *r)))
         .filter(|(.., r)| !r.status.is_failure() && measured(r))
-        .filter_map(|(style, index, run)| {
+        .filter_map(|(view, group, index, run)| {
             let error = view.error(run)?;
             Some(Point {
-                style,
+                view,
+                label: &group.label,
+                style: group.style,
                 index,
                 run,
                 error,
@@ -262,28 +285,37 @@ pub fn accuracy(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
     if good.is_empty() {
         return Ok(None);
     }
-    let models: Vec<(&str, usize)> = (view.groups.iter())
-        .map(|g| (g.label.as_str(), g.style))
+    let models: Vec<(&str, usize)> = (all.clone())
+        .map(|(_, g)| (g.label.as_str(), g.style))
         .collect();
-    let failed: Vec<(Ink, String)> = (view.results.runs.iter())
-        .filter(|r| r.status.is_failure())
-        .map(|r| {
-            let model = r.model_label();
-            let style = models.iter().find(|m| m.0 == model).map_or(0, |m| m.1);
+    let mut failed: Vec<(usize, Ink, String)> = all
+        .flat_map(|(_, g)| g.runs.iter().map(move |(i, r)| (g, *i, *r)))
+        .filter(|(.., r)| r.status.is_failure())
+        .map(|(g, i, r)| {
             let text = format!(
-                "{model} under {} {}: {}",
+                "{} under {} {}: {}",
+                g.label,
                 r.integrator,
                 resolution(r),
                 r.status
             );
-            (curve_style(style).ink, text)
+            (i, curve_style(g.style).ink, text)
         })
         .collect();
-    let relative = view.metric.unit().is_empty();
+    // In the order of the record.
+    failed.sort_by_key(|(i, ..)| *i);
+    let failed: Vec<(Ink, String)> = failed
+        .into_iter()
+        .map(|(_, ink, text)| (ink, text))
+        .collect();
+    let relative = metric.unit().is_empty();
     let factor = if relative { 100.0 } else { 1.0 };
-    let limit = (view.results.tolerance.as_ref()).map(|t| t.limit * factor);
+    let mut limits: Vec<f64> = (views.iter())
+        .filter_map(|v| Some(v.limit? * factor))
+        .collect();
+    limits.dedup();
     let (low, high) = extremes(good.iter().map(|p| p.error * factor));
-    let high = limit.map_or(high, |l| high.max(l));
+    let high = limits.iter().copied().fold(high, f64::max);
     let y = if high > 8.0 * low {
         Axis::logarithmic(low, high)
     } else {
@@ -295,58 +327,45 @@ pub fn accuracy(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
     let top =
         6.0 + scatter::key_height(&models, ERROR_WIDTH) + scatter::failures_height(failed.len());
     let area = Rect::new(LEFT, top, ERROR_WIDTH - RIGHT, top + 300.0);
-    let reference = view.reference_name(against);
+    let mut references: Vec<String> = (views.iter())
+        .filter_map(|v| Some(v.reference_name(v.against.as_ref()?)))
+        .collect();
+    references.dedup();
+    let reference = references.join(", ");
     let title = format!("Error against {reference}, over processor time");
-    let unit = if relative { "%" } else { view.metric.unit() };
+    let unit = if relative { "%" } else { metric.unit() };
     let below = area.y1 + 46.0;
-    let panels = [("class", "panels".to_owned())];
     let svg = draw_with(
         ERROR_WIDTH,
         below + numbers.height(),
         &title,
-        &panels,
+        &scatter::panels(),
         |c| {
             scatter::key(c, &models, ERROR_WIDTH, true);
             scatter::failures(c, &failed, ERROR_WIDTH, top, "the table of failures");
             let frame = Frame { area, x, y };
-            let (x_name, y_name) = ("processor time [ms]", view.metric.axis());
+            let (x_name, y_name) = ("processor time [ms]", metric.axis());
             c.group(&frame.attributes("panel", x_name, &y_name, ""), |c| {
                 frame.paint(c, x_name, &y_name, true);
                 let mut room = OccupiedArea::of(area);
-                let notes = [("class", "notes".to_owned())];
                 let points: Vec<(f64, f64)> = (good.iter())
                     .map(|p| frame.at(p.run.cost_s() * 1e3, p.error * factor))
                     .collect();
-                c.group(&notes, |c| {
-                    let tolerance = limit.map(|l| (scatter::tolerance(c, &frame, l, &mut room), l));
-                    for p in &points {
-                        room.occupy_point(*p, 6.0);
-                    }
-                    let small = Type::new(TICK_SIZE, Anchor::Start);
-                    if let Some((y, limit)) = tolerance {
-                        let text = format!("tolerance {} {unit}", short(limit, 3));
-                        room.write_along(c, &text, y, small.ink(Ink::GREY));
-                    }
+                points.iter().for_each(|p| room.occupy_point(*p, 6.0));
+                let tolerance = |l: &f64| (*l, format!("tolerance {} {unit}", short(*l, 3)));
+                let tolerances: Vec<(f64, String)> = limits.iter().map(tolerance).collect();
+                scatter::limits(c, &frame, &tolerances, &mut room);
+                let small = Type::new(TICK_SIZE, Anchor::Start);
+                c.group(&scatter::notes(), |c| {
                     for (point, p) in good.iter().zip(&points) {
                         room.write(c, &numbers.text(&point.run.integrator), *p, small);
                     }
                 });
-                for (point, (x, y)) in good.iter().zip(&points) {
-                    let attributes = [
-                        ("class", "point".to_owned()),
-                        ("data-at", format!("{x:.3} {y:.3}")),
-                        ("data-entry", point.style.to_string()),
-                        ("data-run", point.index.to_string()),
-                    ];
-                    c.group(&attributes, |c| {
-                        c.title(&point.text(view));
-                        marker(
-                            c,
-                            (*x, *y),
-                            5.2,
-                            curve_style(point.style),
-                            !point.run.implicit,
-                        );
+                for (point, at) in good.iter().zip(&points) {
+                    let of = (point.style, Some(point.index));
+                    let look = curve_style(point.style);
+                    scatter::point(c, *at, of, &point.text(), |c| {
+                        marker(c, *at, 5.2, look, !point.run.implicit);
                     });
                 }
             });
@@ -360,7 +379,7 @@ pub fn accuracy(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
             "{} against {} over processor time; lower left is better. Numbers name the integrators below. Points on one level \
              share the error of the model: a finer step no longer helps. Failed runs stand on their own edge, whatever \
              their time.",
-            capital(view.metric.words()),
+            capital(metric.words()),
             reference,
         ),
         svg,

@@ -11,35 +11,40 @@ use crate::view::{Group, View, resolution};
 use maud::{Markup, html};
 
 /// A row: a model by its most accurate run, or the yardstick.
-struct Row<'a> {
+struct Row<'v, 'a> {
+    view: &'v View<'a>,
     label: String,
     results: Metrics,
-    of: Option<(&'a Group<'a>, &'a Run)>,
+    of: Option<(&'v Group<'a>, &'a Run)>,
+}
+
+impl Row<'_, '_> {
+    /// True if the scene of the row has errors of models.
+    fn is_of_models(&self) -> bool {
+        self.view.is_of_models()
+    }
 }
 
 /// Returns the metrics of a reference itself.
-fn of_reference<'a>(view: &View<'a>) -> Option<Row<'a>> {
+fn of_reference<'v, 'a>(view: &'v View<'a>) -> Option<Row<'v, 'a>> {
     let reference = view.reference()?;
     let end = *reference.series.time_s.last()?;
     let ledger = Ledger::default();
     let own = FinishedRun::reached(&reference.series, &ledger, [end, end]).ok()?;
     Some(Row {
-        label: view.reference_name(&reference.id),
+        view,
+        label: view.with_scene(&view.reference_name(&reference.id)),
         results: compare_all(own, &reference.all_series(), &reference.id),
         of: None,
     })
 }
 
-/// Returns the table with a row per model, the yardstick first.
-pub fn glance(view: &View<'_>) -> Markup {
-    if view.groups.is_empty() {
-        return Markup::default();
-    }
-    let ratios = costs(view);
-    let mut rows: Vec<Row<'_>> = Vec::new();
+/// Returns the rows of a scene, the yardstick first.
+fn rows<'v, 'a>(view: &'v View<'a>) -> Vec<Row<'v, 'a>> {
+    let mut rows: Vec<Row<'v, 'a>> = Vec::new();
     let is_run = |r: &Run| view.is_yardstick(r);
     // A yardstick that is a model of the study has a row of its own anyway.
-    if !view.results.runs.iter().any(is_run) {
+    if !view.groups.is_empty() && !view.results.runs.iter().any(is_run) {
         rows.extend(of_reference(view));
     }
     for group in &view.groups {
@@ -52,13 +57,23 @@ pub fn glance(view: &View<'_>) -> Markup {
         };
         let against = view.against.as_deref().and_then(|id| run.against(id));
         rows.push(Row {
+            view,
             label: group.label.clone(),
             results: against.or(run.metrics.first()).cloned().unwrap_or_default(),
             of: Some((group, run)),
         });
     }
-    let of_models = view.against.as_deref() != Some(SELF) && view.against.is_some();
-    let result = |m: Metric| move |row: &Row<'_>| row.results.get(m);
+    rows
+}
+
+/// Returns the table with a row per scene and model, the yardstick of each scene first.
+pub fn glance(views: &[View<'_>]) -> Markup {
+    let rows: Vec<Row<'_, '_>> = views.iter().flat_map(rows).collect();
+    if rows.is_empty() {
+        return Markup::default();
+    }
+    let ratios: Vec<(String, f64)> = views.iter().flat_map(costs).collect();
+    let result = |m: Metric| move |row: &Row<'_, '_>| row.results.get(m);
     let table = Table::of(&rows)
         .text("Model", |row| row.label.clone())
         .text("Calibration", |row| {
@@ -75,58 +90,59 @@ pub fn glance(view: &View<'_>) -> Markup {
             result(Metric::TransmissionErrorSpan),
         )
         .written("Error", "", |row| {
-            let (_, run) = row.of.filter(|_| of_models)?;
-            match view.is_yardstick(run) {
+            let (_, run) = row.of.filter(|_| row.is_of_models())?;
+            match row.view.is_yardstick(run) {
                 true => Some("the yardstick".into()),
-                false => view.error(run).map(|e| view.error_text(e)),
+                false => row.view.error(run).map(|e| row.view.error_text(e)),
             }
         })
         .result()
         .text("Error is", |row| {
-            let (_, run) = row.of.filter(|_| of_models)?;
-            if view.is_yardstick(run) {
+            let (_, run) = row.of.filter(|_| row.is_of_models())?;
+            if row.view.is_yardstick(run) {
                 return None;
             }
-            view.error(run)?;
-            let fitted = view.is_fitted(run);
+            row.view.error(run)?;
+            let fitted = row.view.is_fitted(run);
             Some(
                 if fitted {
                     "rest of a fit"
                 } else {
-                    view.kind_of_error()
+                    row.view.kind_of_error()
                 }
                 .to_string(),
             )
         })
         .text("Verdict", |row| {
-            let (_, run) = row.of.filter(|(_, r)| !view.is_yardstick(r))?;
-            view.verdict(run).map(|v| v.to_string())
+            let (_, run) = row.of.filter(|(_, r)| !row.view.is_yardstick(r))?;
+            row.view.verdict(run).map(|v| v.to_string())
         })
         .result()
         .text("Most accurate run", |row| {
-            let (_, run) = row.of.filter(|(_, r)| !view.is_yardstick(r))?;
-            view.error(run).filter(|_| of_models)?;
+            let (_, run) = row.of.filter(|(_, r)| !row.view.is_yardstick(r))?;
+            row.view.error(run).filter(|_| row.is_of_models())?;
             Some(named(run))
         })
         .result()
         .written("Its processor time", "", |row| {
-            let (_, run) = row.of.filter(|(_, r)| !view.is_yardstick(r))?;
-            view.error(run).filter(|_| of_models)?;
+            let (_, run) = row.of.filter(|(_, r)| !row.view.is_yardstick(r))?;
+            row.view.error(run).filter(|_| row.is_of_models())?;
             Some(quantity(run.cost_s(), "s", 3))
         })
         .result()
         .text("Cheapest adequate run", |row| {
-            view.cheapest(row.of?.0).map(|(_, r)| named(r))
+            row.view.cheapest(row.of?.0).map(|(_, r)| named(r))
         })
         .result()
         .written("Its processor time", "", |row| {
-            view.cheapest(row.of?.0)
+            row.view
+                .cheapest(row.of?.0)
                 .map(|(_, r)| quantity(r.cost_s(), "s", 3))
         })
         .result()
         .written("Cost ratio", "", |row| {
             let (g, _) = row.of?;
-            if g.style == 0 && !ratios.is_empty() {
+            if row.view.is_first(g) && !ratios.is_empty() {
                 return Some("1".into());
             }
             let (_, ratio) = ratios.iter().find(|(label, _)| *label == g.label)?;
@@ -137,9 +153,29 @@ pub fn glance(view: &View<'_>) -> Markup {
             let failed = g.runs.iter().filter(|(_, r)| r.status.is_failure()).count();
             Some(format!("{failed} of {}", g.runs.len()))
         });
-    let against = match &view.against {
-        Some(id) if of_models => format!(
-            "Errors are the {} against {}, of the most accurate run of each model. {}",
+    let against: Vec<String> = views.iter().map(against).collect();
+    let mut against = against;
+    against.dedup();
+    let remark = format!(
+        "{}The cost ratio is the median over runs at the same method and step{}.",
+        against.concat(),
+        match views.len() {
+            1 => "",
+            _ => ", to the first model of the scene",
+        }
+    );
+    section("At a glance", html! { (table) (note(remark)) })
+}
+
+/// Returns the sentences on the errors of a scene.
+fn against(view: &View<'_>) -> String {
+    match &view.against {
+        Some(id) if view.is_of_models() => format!(
+            "{} the {} against {}, of the most accurate run of each model. {}",
+            match view.scene {
+                Some(scene) => format!("Errors of {scene} are"),
+                None => "Errors are".into(),
+            },
             view.metric.words(),
             view.reference_name(id),
             if view.results.runs.iter().any(|r| view.is_fitted(r)) {
@@ -150,18 +186,11 @@ pub fn glance(view: &View<'_>) -> Markup {
             }
         ),
         _ => "Nothing more detailed than the models is in the record, so that they have no error here. ".to_owned(),
-    };
-    let remark =
-        format!("{against}The cost ratio is the median over runs at the same method and step.");
-    html! {
-        (section("At a glance", html! { (table) (note(remark)) }))
-        (others(view))
-        (integration(view))
     }
 }
 
 /// Returns the table with the least error of each model against every reference that is not the yardstick.
-fn others(view: &View<'_>) -> Markup {
+pub fn others(view: &View<'_>) -> Markup {
     let compared = |id: &str| view.results.runs.iter().any(|r| r.against(id).is_some());
     let further = (view.results.references.iter())
         .filter(|r| Some(&r.id) != view.against.as_ref() && compared(&r.id));
@@ -202,7 +231,7 @@ fn named(run: &Run) -> String {
 
 /// Returns the table of integration errors: the most accurate and the cheapest converged run of each model against its
 /// own converged solution.
-fn integration<'a>(view: &View<'a>) -> Markup {
+pub fn integration<'a>(view: &View<'a>) -> Markup {
     let metric = Metric::ForceL1;
     let own = |r: &Run| r.against(SELF)?.get(metric).map(f64::abs);
     let usable = |g: &Group<'a>| {

@@ -19,7 +19,12 @@ use crate::view::View;
 /// A run that is drawn in a chart of histories.
 struct DrawnRun<'a> {
     run: &'a Run,
+    /// Label of its model.
+    label: String,
+    /// Index of its curve.
     history: usize,
+    /// Index of its scene.
+    scene: usize,
 }
 
 /// Largest number of meshes or gears whose curves share a panel; more cannot be distinguished.
@@ -29,9 +34,17 @@ const MOST_OVERLAID: usize = 4;
 pub(super) struct MemberColumn {
     /// Name of the mesh or gear; empty if the scene has one only.
     pub name: String,
-    pub column: String,
+    /// Names of the column; the only meshes of several scenes are one member, whatever the names of their gears.
+    pub columns: Vec<String>,
     /// Index of its look, after those of all models.
     pub style: usize,
+}
+
+impl MemberColumn {
+    /// Returns the values of the member in a series.
+    pub fn of<'s>(&self, series: &'s TimeSeries) -> Option<&'s [f64]> {
+        self.columns.iter().find_map(|name| series.column(name))
+    }
 }
 
 /// A history with its look.
@@ -45,13 +58,16 @@ pub(super) struct History<'a> {
     pub stroke: Stroke,
     /// Place of its model; none of a reference.
     pub style: Option<usize>,
+    /// Index of its scene.
+    pub scene: usize,
 }
 
 /// Curves, time axes and names that all charts of histories share.
 pub(super) struct Histories<'a> {
-    reference: Option<&'a ReferenceSeries>,
+    /// The reference of each scene, if it has one.
+    references: Vec<Option<&'a ReferenceSeries>>,
     runs: Vec<DrawnRun<'a>>,
-    /// The reference first, then one run per model.
+    /// Of each scene the reference first, then one run per model.
     pub curves: Vec<History<'a>>,
     pub time: TimeAxis,
     /// Short time interval for a close-up, if the whole history is too dense to read.
@@ -66,8 +82,8 @@ pub(super) struct Histories<'a> {
 struct Mesh {
     /// Name in texts; empty if the scene has one only.
     name: String,
-    /// Names of its gears as columns have them.
-    gears: String,
+    /// Names of its gears as columns have them; of the only meshes of several scenes those of each.
+    gears: Vec<String>,
 }
 
 impl<'a> History<'a> {
@@ -80,43 +96,62 @@ impl<'a> History<'a> {
         !self.series.contact_force().is_empty()
     }
 
-    /// Returns times and values of a column, from the first of its series that has it.
-    fn column(&self, name: &str) -> Option<(&'a [f64], &'a [f64])> {
+    /// Returns times and values of a member, from the first of its series that has its column.
+    fn column(&self, member: &MemberColumn) -> Option<(&'a [f64], &'a [f64])> {
         let mut all = self.all_series();
-        all.find_map(|s| {
-            Some((s.time_s.as_slice(), s.column(name)?)).filter(|(t, _)| !t.is_empty())
-        })
+        all.find_map(|s| Some((s.time_s.as_slice(), member.of(s)?)).filter(|(t, _)| !t.is_empty()))
     }
 }
 
 impl<'a> Histories<'a> {
-    pub fn of(view: &View<'a>) -> Option<Self> {
+    /// Returns the histories of one or several scenes; `None` without any.
+    pub fn of(views: &[View<'a>]) -> Option<Self> {
+        let mut found = Self {
+            references: views.iter().map(View::reference).collect(),
+            runs: Vec::new(),
+            curves: Vec::new(),
+            time: time_axis((0.0, 1.0)),
+            zoom: None,
+            meshes: Vec::new(),
+            models: views.iter().map(|v| v.groups.len()).sum(),
+        };
+        let mut scenes = Vec::with_capacity(views.len());
+        for view in views {
+            let first = found.curves.len();
+            found.add(view);
+            scenes.push(subjects(&found.curves[first..], CONTACT_FORCE));
+        }
+        let runs = views.iter().flat_map(|v| &v.results.runs);
+        found.meshes = meshes_of(scenes, runs);
+        let all: Vec<&TimeSeries> = found.curves.iter().map(|c| c.series).collect();
+        // A reference may have no force.
+        let busiest = found.curves.iter().find(|c| c.has_force());
+        found.zoom = busy_window(busiest.map_or(*all.first()?, |c| c.series)).map(time_axis);
+        found.time = time_axis(contact_window(&found.forces()));
+        Some(found)
+    }
+
+    /// Adds the curves of a scene: its references, then one run per model.
+    fn add(&mut self, view: &View<'a>) {
         let reference = view.reference();
         let is_copy = |id: &str| view.results.runs.iter().any(|run| is_run(id, run));
-        let mut curves: Vec<History<'a>> = (reference.iter())
-            .map(|r| History {
-                label: view.reference_name(&r.id),
-                is_copy: is_copy(&r.id),
-                series: &r.series,
-                further: &r.further,
-                stroke: reference_stroke(),
-                style: None,
-            })
-            .collect();
-        // Further references are thin lines, in addition to the one that runs are compared with.
-        let others = (view.results.references.iter())
-            .filter(|r| !r.series.is_empty() && reference.is_some_and(|m| m.id != r.id));
-        let plain = curves.len();
-        curves.extend(others.map(|r| History {
-            label: view.reference_name(&r.id),
+        let of_reference = |r: &'a ReferenceSeries, stroke: Stroke| History {
+            label: reference_label(view, r),
             is_copy: is_copy(&r.id),
             series: &r.series,
             further: &r.further,
-            stroke: Stroke::dashed(Ink::GREY, 1.3, &[1.5, 2.0]),
+            stroke,
             style: None,
-        }));
-        let further = curves.len() - plain;
-        let mut runs = Vec::new();
+            scene: view.place,
+        };
+        (self.curves).extend(reference.map(|r| of_reference(r, reference_stroke(view.place))));
+        // Further references are thin lines, in addition to the one that runs are compared with.
+        let others = (view.results.references.iter())
+            .filter(|r| !r.series.is_empty() && reference.is_some_and(|m| m.id != r.id));
+        let plain = self.curves.len();
+        let thin = Stroke::dashed(Ink::GREY, 1.3, &[1.5, 2.0]);
+        self.curves.extend(others.map(|r| of_reference(r, thin)));
+        let further = self.curves.len() - plain;
         for group in &view.groups {
             // The reference itself may be a run of the record.
             if further > 0
@@ -134,35 +169,22 @@ impl<'a> Histories<'a> {
             if run.status.is_failure() {
                 label = format!("{label}: {}", run.status);
             }
-            runs.push(DrawnRun {
+            self.runs.push(DrawnRun {
                 run,
-                history: curves.len(),
+                label: group.label.clone(),
+                history: self.curves.len(),
+                scene: view.place,
             });
-            curves.push(History {
+            self.curves.push(History {
                 label,
                 is_copy: false,
                 series,
                 further: &[],
                 stroke: model_stroke(group.style),
                 style: Some(group.style),
+                scene: view.place,
             });
         }
-        let meshes = meshes_of(&curves, view.results.runs.iter());
-        let all: Vec<&TimeSeries> = curves.iter().map(|c| c.series).collect();
-        // A reference may have no force.
-        let busiest = curves.iter().find(|c| c.has_force());
-        let zoom = busy_window(busiest.map_or(*all.first()?, |c| c.series)).map(time_axis);
-        let mut found = Self {
-            reference,
-            runs,
-            curves,
-            time: time_axis((0.0, 1.0)),
-            zoom,
-            meshes,
-            models: view.groups.len(),
-        };
-        found.time = time_axis(contact_window(&found.forces()));
-        Some(found)
     }
 
     /// Returns times and contact forces of all meshes in all histories.
@@ -178,7 +200,7 @@ impl<'a> Histories<'a> {
     pub fn meshes_with(&self, quantity: Quantity) -> Vec<MemberColumn> {
         let member = |(m, mesh): (usize, &Mesh)| MemberColumn {
             name: mesh.name.clone(),
-            column: quantity.of(&mesh.gears),
+            columns: mesh.gears.iter().map(|gears| quantity.of(gears)).collect(),
             style: self.models + m,
         };
         self.meshes.iter().enumerate().map(member).collect()
@@ -192,7 +214,7 @@ impl<'a> Histories<'a> {
         let mut found: Vec<MemberColumn> = Vec::new();
         for gear in subjects(&self.curves, quantity) {
             found.push(MemberColumn {
-                column: quantity.of(&gear),
+                columns: vec![quantity.of(&gear)],
                 name: gear,
                 style: first + found.len(),
             });
@@ -203,14 +225,16 @@ impl<'a> Histories<'a> {
     /// Returns the name of a column without those of the gears of the mesh, for a scene with one mesh.
     pub fn without_only_mesh(&self, name: &str) -> String {
         match self.meshes.as_slice() {
-            [only] => name.replace(&format!("_{}", only.gears), ""),
+            [only] => (only.gears.iter()).fold(name.to_owned(), |name, gears| {
+                name.replace(&format!("_{gears}"), "")
+            }),
             _ => name.to_owned(),
         }
     }
 
     /// Returns the number of models that have any of these columns.
     pub fn models_with(&self, members: &[MemberColumn]) -> usize {
-        let has = |c: &&History<'_>| members.iter().any(|m| c.column(&m.column).is_some());
+        let has = |c: &&History<'_>| members.iter().any(|m| c.column(m).is_some());
         self.curves
             .iter()
             .filter(|c| c.style.is_some())
@@ -225,9 +249,7 @@ impl<'a> Histories<'a> {
                 .iter()
                 .flat_map(|c| members.iter().map(move |m| (c, m)))
         };
-        let values = all()
-            .filter_map(|(c, m)| c.column(&m.column))
-            .flat_map(|(_, y)| y);
+        let values = all().filter_map(|(c, m)| c.column(m)).flat_map(|(_, y)| y);
         extremes(values.copied().chain([0.0]))
     }
 
@@ -242,7 +264,7 @@ impl<'a> Histories<'a> {
         let of = |c: &History<'a>| {
             let line = |m: &MemberColumn| {
                 let look = (model_stroke(m.style), Some(m.style));
-                Some(self.curve(look, c.column(&m.column)?, factor, time))
+                Some(self.curve(look, c.column(m)?, factor, time))
             };
             let curves: Vec<Curve> = members.iter().filter_map(line).collect();
             (!curves.is_empty()).then(|| panel(&c.label).curves(curves))
@@ -260,7 +282,7 @@ impl<'a> Histories<'a> {
         panel: &dyn Fn(&str) -> Panel,
     ) -> Vec<Panel> {
         let of = |m: &MemberColumn| {
-            let curves = self.lines(|s| s.column(&m.column), factor, time);
+            let curves = self.lines(|s| m.of(s), factor, time);
             (!curves.is_empty()).then(|| panel(&m.name).curves(curves))
         };
         members.iter().filter_map(of).collect()
@@ -269,6 +291,12 @@ impl<'a> Histories<'a> {
     pub fn legend(&self) -> Vec<Entry> {
         let entry = |c: &History<'_>| Entry::history(&c.label, c.stroke, c.style);
         self.curves.iter().map(entry).collect()
+    }
+
+    /// Returns the reference of a scene, if it has the column of a member.
+    fn reference_with(&self, member: &MemberColumn, scene: usize) -> Option<&'a ReferenceSeries> {
+        let reference = *self.references.get(scene)?;
+        reference.filter(|r| member.of(&r.series).is_some())
     }
 
     fn peak(&self) -> f64 {
@@ -326,20 +354,29 @@ fn subjects(curves: &[History<'_>], quantity: Quantity) -> Vec<String> {
     found
 }
 
-/// Returns the meshes whose contact force some history has. The records of their forces have the names of both gears.
-fn meshes_of<'r>(curves: &[History<'_>], runs: impl Iterator<Item = &'r Run>) -> Vec<Mesh> {
+/// Returns the meshes whose contact force some history has, from their gears in each scene. The records of their forces
+/// have the names of both gears.
+fn meshes_of<'r>(scenes: Vec<Vec<String>>, runs: impl Iterator<Item = &'r Run>) -> Vec<Mesh> {
+    let has_one_each = scenes.iter().all(|gears| gears.len() <= 1);
+    let mut gears: Vec<String> = Vec::new();
+    for pair in scenes.into_iter().flatten() {
+        if !gears.contains(&pair) {
+            gears.push(pair);
+        }
+    }
+    if has_one_each && !gears.is_empty() {
+        let name = String::new();
+        return vec![Mesh { name, gears }];
+    }
     let pairs: Vec<&[String; 2]> = runs
         .flat_map(|r| &r.mesh_forces)
         .map(|m| &m.gears)
         .collect();
-    let gears = subjects(curves, CONTACT_FORCE);
-    let is_only = gears.len() == 1;
     let mesh = |gears: String| {
         let pair = pairs.iter().find(|pair| pair.join("_") == gears);
-        let name = pair.map_or_else(|| gears.clone(), |pair| pair.join(" - "));
         Mesh {
-            name: if is_only { String::new() } else { name },
-            gears,
+            name: pair.map_or_else(|| gears.clone(), |pair| pair.join(" - ")),
+            gears: vec![gears],
         }
     };
     gears.into_iter().map(mesh).collect()
@@ -356,6 +393,16 @@ pub(super) fn legend_of(members: &[MemberColumn]) -> impl Iterator<Item = Entry>
     members.iter().map(entry)
 }
 
+/// Returns the name of a reference in legends; that of several scenes is without what it has in parentheses, since names of
+/// scenes are in front.
+fn reference_label(view: &View<'_>, reference: &ReferenceSeries) -> String {
+    let name = view.reference_name(&reference.id);
+    match view.scene {
+        Some(_) => view.with_scene(name.split(" (").next().unwrap_or(&name)),
+        None => name,
+    }
+}
+
 /// True if a reference is a run of the record: its id is then the run's label, `model` or `model-variant`.
 fn is_run(id: &str, run: &Run) -> bool {
     match &run.variant {
@@ -368,9 +415,9 @@ fn scaled(values: &[f64], factor: f64) -> Vec<f64> {
     values.iter().map(|x| x * factor).collect()
 }
 
-/// Draws the contact force over time, and the deviations of the models from the reference.
-pub fn force(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
-    let Some(h) = Histories::of(view) else {
+/// Draws the contact force over time, and the deviations of the models from the reference of their scene.
+pub fn force(views: &[View<'_>]) -> Result<Option<Chart>, DrawError> {
+    let Some(h) = Histories::of(views) else {
         return Ok(None);
     };
     let unit = Prefix::of(h.peak(), 20.0);
@@ -380,12 +427,11 @@ pub fn force(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
         return Ok(None);
     };
     let overlaid = overlay(meshes.len());
-    let column = first.column.as_str();
     let top = Axis::from_zero(h.peak() * unit.factor);
     let together = |time: &TimeAxis, height: f64| Panel {
         x_name: Some(time.name.clone()),
         ..Panel::new(height, &time.axis, &y_name)
-            .curves(h.lines(|s| s.column(column), unit.factor, time))
+            .curves(h.lines(|s| first.of(s), unit.factor, time))
             .close()
     };
     let of_meshes = |time: &TimeAxis, height: f64| {
@@ -422,7 +468,7 @@ pub fn force(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
             ));
         }
         (Some(zoom), false) => {
-            let lines = h.lines(|s| s.column(column), unit.factor, &h.time);
+            let lines = h.lines(|s| first.of(s), unit.factor, &h.time);
             let forces = h.curves.iter().filter(|c| c.has_force());
             let last = lines.len().saturating_sub(1);
             for (i, (line, curve)) in lines.into_iter().zip(forces).enumerate() {
@@ -442,10 +488,10 @@ pub fn force(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
             );
         }
     }
-    let with_force = |r: &&ReferenceSeries| r.series.column(column).is_some();
-    if let Some(reference) = h.reference.filter(with_force) {
+    let has_reference = (0..h.references.len()).any(|k| h.reference_with(first, k).is_some());
+    if has_reference {
         let time = h.zoom.as_ref().unwrap_or(&h.time);
-        panels.push(residual(&h, reference, column, time, unit));
+        panels.push(residual(&h, first, time, unit));
         let of = match several {
             false => String::new(),
             true => format!(" of the first mesh, {}", first.name),
@@ -456,11 +502,12 @@ pub fn force(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
         ));
         let shifts: Vec<String> = (h.runs.iter())
             .filter_map(|d| {
+                let reference = h.reference_with(first, d.scene)?;
                 let m = d.run.against(&reference.id)?;
                 let (e, shift) = (m.force_l2_aligned?, m.time_shift_s.unwrap_or(0.0));
                 Some(format!(
                     "{}, {} after a shift of {}",
-                    d.run.model_label(),
+                    d.label,
                     per_cent(e, 3),
                     quantity(shift, "s", 2),
                 ))
@@ -475,28 +522,23 @@ pub fn force(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
         legend.extend(legend_of(&meshes));
     }
     // Models have a line of their own only where panels show several.
-    if !overlaid || h.reference.is_some_and(|r| with_force(&r)) {
+    if !overlaid || has_reference {
         legend.extend(h.legend());
     }
     let title = "Contact force over time";
     chart_of_width(FORCE_WIDTH, "force.svg", title, caption, &legend, &panels).map(Some)
 }
 
-fn residual(
-    h: &Histories<'_>,
-    reference: &ReferenceSeries,
-    column: &str,
-    time: &TimeAxis,
-    unit: Prefix,
-) -> Panel {
-    let force = |of: &'_ TimeSeries| of.column(column).unwrap_or_default().to_vec();
-    let (t, wanted) = (&reference.series.time_s, force(&reference.series));
+fn residual(h: &Histories<'_>, mesh: &MemberColumn, time: &TimeAxis, unit: Prefix) -> Panel {
+    let force = |of: &'_ TimeSeries| mesh.of(of).unwrap_or_default().to_vec();
     let zero = Curve::line(
         Stroke::new(Ink::DARK.opacity(0.82), 1.6),
         vec![(time.axis.min, 0.0), (time.axis.max, 0.0)],
     );
     let mut buffer = Vec::new();
-    let lines = h.runs.iter().map(|d| {
+    let lines = h.runs.iter().filter_map(|d| {
+        let reference = h.reference_with(mesh, d.scene)?;
+        let (t, wanted) = (&reference.series.time_s, force(&reference.series));
         let shift = (d.run.against(&reference.id))
             .and_then(|m| m.time_shift_s)
             .unwrap_or(0.0);
@@ -507,7 +549,7 @@ fn residual(
             .map(|(f, r)| (f - r) * unit.factor)
             .collect();
         let x = scaled(t, time.factor);
-        Curve::history(curve.stroke, &time.axis, &x, &y).along(curve.style)
+        Some(Curve::history(curve.stroke, &time.axis, &x, &y).along(curve.style))
     });
     let name = format!("model \u{2212} ref. [{}N]", unit.symbol);
     Panel {
@@ -525,15 +567,15 @@ const AT_REST: f64 = 1e-9;
 const LONGEST_NAME: usize = 10;
 
 /// Draws the speeds of all gears over time.
-pub fn speeds(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
-    let Some(h) = Histories::of(view) else {
+pub fn speeds(views: &[View<'_>]) -> Result<Option<Chart>, DrawError> {
+    let Some(h) = Histories::of(views) else {
         return Ok(None);
     };
     let gears = h.gears_with(SPEED);
     // Gears that are held have no panel: their speed is rounding.
     let largest = |gear: &MemberColumn| {
         let all = h.curves.iter().flat_map(History::all_series);
-        let values = all.filter_map(|s| s.column(&gear.column)).flatten();
+        let values = all.filter_map(|s| gear.of(s)).flatten();
         values.fold(0.0_f64, |most, x| most.max(x.abs()))
     };
     let fastest = gears.iter().map(&largest).fold(0.0, f64::max);
@@ -551,7 +593,7 @@ pub fn speeds(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
             panels.push(Panel {
                 x_name: (place + 1 == moving.len()).then(|| time.name.clone()),
                 ..Panel::new(size, &time.axis, &label(*i, &gear.name))
-                    .curves(h.lines(|s| s.column(&gear.column), 1.0, time))
+                    .curves(h.lines(|s| gear.of(s), 1.0, time))
                     .close()
             });
         }

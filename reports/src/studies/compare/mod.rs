@@ -19,9 +19,11 @@ mod transmission;
 mod window;
 mod yardstick;
 
+use crate::csv_table::CsvTable;
+use crate::drawing::Chart;
 use crate::drawing::canvas::DrawError;
 use crate::markup::runs;
-use crate::studies::StudyReport;
+use crate::studies::{StudyReport, findings, of_scene};
 use crate::view::View;
 use maud::html;
 use serde::{Deserialize, Serialize};
@@ -45,36 +47,65 @@ pub struct CompareRecord {
     pub yardstick: Option<Yardstick>,
 }
 
-/// Returns the report of a comparison.
-pub(super) fn report(view: &View<'_>, part: &CompareRecord) -> Result<StudyReport, DrawError> {
-    let moving = motion::viewer(view, mesh::FILE);
-    let first = [
-        histories::force(view)?,
-        cost::accuracy(view)?,
-        histories::speeds(view)?,
-        mesh::mesh(view)?.map(|c| mesh::captioned(c, moving.as_ref())),
-    ];
-    let before = [
-        cost::runtime(view)?,
-        pressure::pressure(view)?,
-        transmission::error(view)?,
-        teeth::teeth(view)?,
-        channels::channels(view)?,
-        paths::shares(view)?,
-    ];
-    let charts = (before.into_iter().flatten())
-        .chain(flanks::flanks(view)?)
-        .chain(deformed::deformed(view)?);
-    Ok(StudyReport {
-        finding: finding::finding(view),
+/// Returns the report of a comparison of one or several scenes: charts and tables of histories, errors and costs have
+/// the models of all scenes, pictures of flanks are those of each.
+pub(super) fn report(views: &[View<'_>]) -> Result<StudyReport, DrawError> {
+    let Some(first_scene) = views.first() else {
+        return Ok(StudyReport::default());
+    };
+    let (finding, answer) = findings(views, |view| {
         // The sentence on the yardstick is first.
-        answer: usize::from(view.yardstick.is_some()),
-        first: first.into_iter().flatten().collect(),
-        tables: html! { (glance::glance(view)) (timing::timing(view, part)) (meshes::table(view)) (paths::tables(view)) },
-        charts: charts.collect(),
+        (
+            finding::finding(view),
+            usize::from(view.yardstick.is_some()),
+        )
+    });
+    let moving = motion::viewer(&View::joined(views), mesh::FILE);
+    let still = mesh::mesh(first_scene)?.map(|c| mesh::captioned(c, moving.as_ref()));
+    let first = (histories::force(views)?.into_iter())
+        .chain(cost::accuracy(views)?)
+        .chain(histories::speeds(views)?)
+        // Several scenes are compared for their transmission error.
+        .chain(transmission::error(views)?.filter(|_| views.len() > 1))
+        .chain(still);
+    let before = [
+        cost::runtime(views)?,
+        pressure::pressure(views)?,
+        transmission::error(views)?.filter(|_| views.len() == 1),
+        teeth::teeth(views)?,
+        channels::channels(views)?,
+    ];
+    let mut charts: Vec<Chart> = before.into_iter().flatten().collect();
+    for view in views {
+        let own = (paths::shares(view)?.into_iter())
+            .chain(flanks::flanks(view)?)
+            .chain(deformed::deformed(view)?);
+        charts.extend(own.map(|c| Chart {
+            title: view.with_scene(&c.title),
+            ..c
+        }));
+    }
+    Ok(StudyReport {
+        finding,
+        answer,
+        first: first.collect(),
+        tables: html! {
+            (glance::glance(views))
+            @for view in views {
+                (of_scene(view, &html! {
+                    (glance::others(view)) (glance::integration(view))
+                    (timing::timing(view)) (meshes::table(view)) (paths::tables(view))
+                }))
+            }
+        },
+        charts,
         viewer: moving.map(|(viewer, _)| viewer),
-        details: runs::all(view),
-        csv: [meshes::csv(view), paths::csv(view)].concat(),
+        details: html! { @for view in views { (of_scene(view, &runs::all(view))) } },
         ..StudyReport::default()
     })
+}
+
+/// Returns the tables of a scene in files of their own.
+pub(super) fn csv(view: &View<'_>) -> Vec<CsvTable> {
+    [meshes::csv(view), paths::csv(view)].concat()
 }

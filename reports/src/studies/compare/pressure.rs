@@ -10,15 +10,11 @@ use crate::series::{HALF_WIDTH, PRESSURE, Quantity};
 use crate::view::View;
 
 /// Draws pressure and width of contact over time, a panel for each mesh; `None` where no run has them.
-pub fn pressure(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
-    let Some(h) = Histories::of(view) else {
+pub fn pressure(views: &[View<'_>]) -> Result<Option<Chart>, DrawError> {
+    let Some(h) = Histories::of(views) else {
         return Ok(None);
     };
-    let has = |m: &MemberColumn| {
-        h.curves
-            .iter()
-            .any(|c| c.series.column(&m.column).is_some())
-    };
+    let has = |m: &MemberColumn| h.curves.iter().any(|c| m.of(c.series).is_some());
     let of = |quantity: Quantity| -> Vec<MemberColumn> {
         h.meshes_with(quantity).into_iter().filter(has).collect()
     };
@@ -39,18 +35,14 @@ pub fn pressure(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
         panels.extend(meshes.iter().map(|m| {
             Panel::new(150.0, &time.axis, &label)
                 .remark(m.name.as_str())
-                .curves(h.lines(|s| s.column(&m.column), prefix.factor, time))
+                .curves(h.lines(|s| m.of(s), prefix.factor, time))
                 .close()
         }));
     }
     if let Some(last) = panels.last_mut() {
         last.x_name = Some(time.name.clone());
     }
-    let shown = |c: &&History<'_>| {
-        pressures
-            .iter()
-            .any(|m| c.series.column(&m.column).is_some())
-    };
+    let shown = |c: &&History<'_>| pressures.iter().any(|m| m.of(c.series).is_some());
     let legend: Vec<Entry> = (h.curves.iter().filter(shown))
         .map(|c| Entry::history(&c.label, c.stroke, c.style))
         .collect();

@@ -43,34 +43,34 @@ const QUANTITIES: [Quantity; 6] = [
     },
     Quantity {
         of: TOOTH_DEFLECTION,
-        words: "deflection of a tooth",
+        words: "deflection of a tooth, S_i \u{2212} \u{3c6}",
         units: &[("rad", "rad"), ("m", "m")],
         meaning: "The deflection of a movable tooth is its angle less that of its body, of the touching tooth whose spring is \
                   loaded most, 0 while none touches; the forces are those on this tooth.",
     },
     Quantity {
         of: TOOTH_RADIAL_FORCE,
-        words: "radial force",
+        words: "radial force F_n",
         units: FORCE,
         meaning: "The radial part of its contact force is positive away from the axis.",
     },
     Quantity {
         of: TOOTH_TANGENTIAL_FORCE,
-        words: "tangential force",
+        words: "tangential force F_t",
         units: FORCE,
         meaning: "The tangential part is positive counter-clockwise.",
     },
     Quantity {
         of: TOOTH_SPRING_FORCE,
-        words: "spring force",
+        words: "spring force F_te",
         units: FORCE,
         meaning: "The spring force is that of spring and damper on the tooth, positive as the tangential part.",
     },
 ];
 
 /// Draws the panels of the motion of teeth; `None` where no run has such a history.
-pub fn teeth(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
-    let Some(h) = Histories::of(view) else {
+pub fn teeth(views: &[View<'_>]) -> Result<Option<Chart>, DrawError> {
+    let Some(h) = Histories::of(views) else {
         return Ok(None);
     };
     let mut drawn = ToothPanels::default();

@@ -1,10 +1,9 @@
 //! Processor times of the models compared with each other, with full finite elements and with published times.
 
-use super::CompareRecord;
 use crate::markup::table::Table;
 use crate::markup::{note, section};
 use crate::numbers::{quantity, short, significant};
-use crate::record::Run;
+use crate::record::{Part, Run};
 use crate::view::{View, capital, resolution};
 use maud::{Markup, html};
 
@@ -47,7 +46,7 @@ fn rows<'a>(view: &View<'a>) -> Vec<Row<'a>> {
 }
 
 /// Returns the table of processor times by model; empty without full finite elements or without another model.
-pub fn timing(view: &View<'_>, part: &CompareRecord) -> Markup {
+pub fn timing(view: &View<'_>) -> Markup {
     let rows = rows(view);
     let full = |r: &&Row<'_>| r.full;
     let dearest = (rows.iter().filter(full)).min_by(|a, b| {
@@ -88,7 +87,11 @@ pub fn timing(view: &View<'_>, part: &CompareRecord) -> Markup {
         .written(&format!("{full_over}, published"), "", |r| {
             ratio(full_published?, published(r)?)
         });
-    let source = match &part.published {
+    let published = match &view.results.part {
+        Part::Compare(part) => part.published.as_ref(),
+        _ => None,
+    };
+    let source = match published {
         Some(text) => format!(" Published: {text}."),
         None => String::new(),
     };

@@ -8,6 +8,7 @@ use crate::drawing::panel::{Curve, Panel, chart};
 use crate::metrics::orders::CycleHistory;
 use crate::metrics::trapezoid_weights;
 use crate::numbers::Prefix;
+use crate::series::SPEED_RATIO_ERROR;
 use crate::view::View;
 
 /// Largest number of cycles in the chart; it shows the last ones.
@@ -17,23 +18,29 @@ const ORDERS: usize = 10;
 
 /// Draws the chart over the last whole cycles that all histories have, less the mean of each; `None` where no run lasts
 /// a whole cycle, or where the gears hammer.
-pub(super) fn error(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
-    let Some(h) = Histories::of(view) else {
+pub(super) fn error(views: &[View<'_>]) -> Result<Option<Chart>, DrawError> {
+    let Some(h) = Histories::of(views) else {
         return Ok(None);
     };
-    let runs = h.curves.iter().filter(|c| c.style.is_some());
-    let clock = runs.map(|c| c.series).find_map(|s| {
-        let (mesh, _) = s.first_mesh()?;
-        CycleHistory::of_run(s, mesh).map(|_| (s, mesh))
-    });
-    let Some((clock, mesh)) = clock else {
-        return Ok(None);
+    // Mesh cycles of references without their own are those of a run of their scene. Scenes have their first meshes.
+    let first_mesh = |s: &History<'_>| s.series.first_mesh().map(|(mesh, _)| mesh.to_owned());
+    let clock = |scene: usize| {
+        let mut runs = h
+            .curves
+            .iter()
+            .filter(|c| c.style.is_some() && c.scene == scene);
+        runs.find_map(|c| {
+            let mesh = first_mesh(c)?;
+            CycleHistory::of_run(c.series, &mesh).map(|_| (c.series, mesh))
+        })
     };
     let over = |c: &History<'_>| match c.style {
-        Some(_) => CycleHistory::of_run(c.series, mesh),
-        None => c
-            .all_series()
-            .find_map(|s| CycleHistory::of_reference(s, clock, mesh)),
+        Some(_) => CycleHistory::of_run(c.series, &first_mesh(c)?),
+        None => {
+            let (clock, mesh) = clock(c.scene)?;
+            c.all_series()
+                .find_map(|s| CycleHistory::of_reference(s, clock, &mesh))
+        }
     };
     let found: Vec<(&History<'_>, CycleHistory)> = h
         .curves
@@ -43,6 +50,9 @@ pub(super) fn error(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
     let Some(whole) = CycleHistory::whole(found.iter().map(|(_, o)| o)) else {
         return Ok(None);
     };
+    if found.iter().all(|(c, _)| c.style.is_none()) {
+        return Ok(None);
+    }
     let [first, last] = whole;
     let from = first.max(last - SHOWN);
     let curves: Vec<(&History<'_>, Vec<(f64, f64)>)> = (found.iter())
@@ -66,8 +76,9 @@ pub(super) fn error(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
         Curve::history(c.stroke, &x, &t, &y).along(c.style)
     });
     let unit = |what: &str| format!("{what} [{}m]", prefix.symbol);
+    let speeds = speed_ratio(&h, &x, [from, last]);
     let over_cycles = Panel {
-        x_name: Some("mesh cycle".into()),
+        x_name: speeds.is_none().then(|| "mesh cycle".into()),
         ..Panel::new(200.0, &x, &unit("error less its mean"))
             .curves(lines)
             .close()
@@ -86,8 +97,14 @@ pub(super) fn error(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
             .curves(spectra)
             .close()
     };
+    let ratio = match speeds.is_some() {
+        true => {
+            ", the error of the speed ratio (speed of the first hub over that of the second, over the ratio of the numbers of teeth, less 1) over the same cycles,"
+        }
+        false => ",",
+    };
     let caption = format!(
-        "The last whole mesh cycles that all histories have, each less its mean, and the amplitudes at multiples of the mesh \
+        "The last whole mesh cycles that all histories have, each less its mean{ratio} and the amplitudes at multiples of the mesh \
          frequency over the last {}. What repeats with the turns of the gears alone lies between the orders.",
         match (last - first).round() {
             1.0 => "cycle".to_owned(),
@@ -95,7 +112,10 @@ pub(super) fn error(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
         }
     );
     let title = "Transmission error over the mesh cycle";
-    let panels = [over_cycles, over_orders];
+    let panels: Vec<Panel> = std::iter::once(over_cycles)
+        .chain(speeds)
+        .chain([over_orders])
+        .collect();
     chart(
         "transmission_error.svg",
         title,
@@ -104,4 +124,22 @@ pub(super) fn error(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
         &panels,
     )
     .map(Some)
+}
+
+/// Returns the panel of the error of the speed ratio between two mesh cycles; `None` where no run has it.
+fn speed_ratio(h: &Histories<'_>, x: &Axis, [from, last]: [f64; 2]) -> Option<Panel> {
+    let runs = h.curves.iter().filter(|c| c.style.is_some());
+    let of = |c: &History<'_>| {
+        let (cycle, values) =
+            CycleHistory::of_quantity(c.series, SPEED_RATIO_ERROR)?.between([from, last]);
+        let cycle: Vec<f64> = cycle.iter().map(|c| c - from).collect();
+        Some(Curve::history(c.stroke, x, &cycle, &values).along(c.style))
+    };
+    let curves: Vec<Curve> = runs.filter_map(of).collect();
+    (!curves.is_empty()).then(|| Panel {
+        x_name: Some("mesh cycle".into()),
+        ..Panel::new(130.0, x, "speed ratio error [-]")
+            .curves(curves)
+            .close()
+    })
 }

@@ -48,7 +48,7 @@ fn fitted(fits: &[FitRecord]) -> Result<Option<Chart>, DrawError> {
         let (low, high) = extremes(x.iter().copied());
         let axis = Axis::linear(low, high);
         let [x_name, y_name] = axis_names(first.kind);
-        let reference = Curve::history(reference_stroke(), &axis, &x, &scaled(&first.data, fy));
+        let reference = Curve::history(reference_stroke(0), &axis, &x, &scaled(&first.data, fy));
         let of_models = sets.iter().map(|(i, d)| {
             Curve::history(
                 model_stroke(*i),
@@ -84,7 +84,7 @@ fn fitted(fits: &[FitRecord]) -> Result<Option<Chart>, DrawError> {
     if panels.is_empty() {
         return Ok(None);
     }
-    let mut legend = vec![Entry::line("data", reference_stroke())];
+    let mut legend = vec![Entry::line("data", reference_stroke(0))];
     legend.extend(
         (fits.iter().enumerate()).map(|(i, f)| Entry::history(&f.label, model_stroke(i), Some(i))),
     );

@@ -105,7 +105,8 @@ fn paint_marks(c: &mut Canvas, frame: &Frame, marks: &[MarkedLine]) {
     let (mut right, mut above): (Vec<f64>, Vec<[f64; 2]>) = (Vec::new(), Vec::new());
     for m in marks {
         let points: Vec<(f64, f64)> = m.points.iter().map(|p| frame.at(p.0, p.1)).collect();
-        c.line_within(&points, &area, m.stroke);
+        let attributes = [("class", "ray".to_owned()), ("data-name", m.name.clone())];
+        c.group(&attributes, |c| c.curve(&points, &area, m.stroke));
         let Some(end) = points.last() else { continue };
         let kind = Type::new(TICK_SIZE - 1.0, Anchor::Start);
         if (area.y0..=area.y1).contains(&end.1) {

@@ -1,6 +1,6 @@
 //! Charts of a scan: responses over each axis, distributions, sensitivity indices.
 
-use super::{ScanRecord, ShownRow, output_text, short_name};
+use super::{ScanRecord, ShownRow, axis_words, output_text, short_name};
 use crate::drawing::Chart;
 use crate::drawing::axis::Axis;
 use crate::drawing::canvas::{DrawError, Ink, Stroke};
@@ -155,7 +155,7 @@ fn response(record: &ScanRecord, axis: usize) -> Result<Option<Chart>, DrawError
     let Some(last) = panels.last_mut() else {
         return Ok(None);
     };
-    last.x_name = Some(short_name(&record.axes[axis].keys[0]).to_owned());
+    last.x_name = Some(axis_words(&record.axes[axis].keys[0]));
     let legend: Vec<Entry> = (families.iter().enumerate())
         .map(|(i, f)| Entry::marked(&f.name(record, Some(axis)), curve_style(i), true))
         .collect();

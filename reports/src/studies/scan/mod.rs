@@ -8,6 +8,7 @@ mod charts;
 pub(super) mod csv;
 mod tables;
 
+use crate::csv_table::named_unit;
 use crate::drawing::canvas::DrawError;
 use crate::metrics::Metric;
 use crate::record::checks::{each, same_length};
@@ -311,6 +312,29 @@ impl ScanRecord {
 fn short_name(key: &str) -> &str {
     let mut dots = key.rmatch_indices('.').map(|(i, _)| i);
     dots.nth(1).map_or(key, |i| &key[i + 1..])
+}
+
+/// Name of a key next to an axis: the words of its last two parts without numbers of entries, and its unit.
+fn axis_words(key: &str) -> String {
+    let mut unit = "";
+    let mut words: Vec<String> = Vec::new();
+    for part in short_name(key)
+        .split('.')
+        .filter(|p| p.parse::<usize>().is_err())
+    {
+        let (stem, found) = match part.strip_suffix("_deg") {
+            Some(stem) => (stem, "deg"),
+            None => named_unit(part),
+        };
+        if !found.is_empty() {
+            unit = found;
+        }
+        words.push(stem.replace('_', " "));
+    }
+    match unit {
+        "" => words.join(", "),
+        unit => format!("{} [{unit}]", words.join(", ")),
+    }
 }
 
 /// Name of an output in words, with its unit.

@@ -7,10 +7,10 @@ use crate::drawing::axis::Axis;
 use crate::drawing::canvas::{DrawError, Ink, Stroke};
 use crate::drawing::legend::Entry;
 use crate::drawing::panel::{Curve, Panel, chart, extremes};
-use crate::drawing::style::{CurveStyle, Marker, curve_style};
+use crate::drawing::style::{CurveStyle, Marker, curve_style, reference_stroke};
 use crate::numbers::{count, quantity};
 use crate::record::{StaticCycle, Steady};
-use crate::studies::sweep::{Bistable, Branch, SweptBranch, resonance};
+use crate::studies::sweep::{Bistable, Branch, ModelCycle, SweptBranch, resonance};
 use spectra::{shaft_orders, spectra};
 
 const KHZ: f64 = 1e-3;
@@ -59,7 +59,7 @@ fn settled<'s>(all: &'s [SweptBranch<'_>]) -> impl Iterator<Item = &'s Steady> {
 /// Draws the charts of a sweep.
 pub fn sweep(
     all: &[SweptBranch<'_>],
-    statics: &[StaticCycle],
+    statics: &[ModelCycle<'_>],
     two: &[Bistable],
 ) -> Result<Vec<Chart>, DrawError> {
     let (low, high) = extremes(settled(all).map(|s| s.mesh_frequency_hz));
@@ -133,9 +133,7 @@ fn over_speed(all: &[SweptBranch<'_>], x: &Axis, two: &[Bistable]) -> Result<Cha
             unnamed(&marks)
         };
         for t in two {
-            let named =
-                |s: &&SweptBranch<'_>| s.runs.iter().any(|(_, r)| r.model_label() == t.label);
-            let of = all.iter().find(named);
+            let of = all.iter().find(|s| s.model == t.label);
             let ink = of
                 .map_or(Ink::GREY, |s| curve_style(s.style).ink)
                 .opacity(0.12);
@@ -146,8 +144,17 @@ fn over_speed(all: &[SweptBranch<'_>], x: &Axis, two: &[Bistable]) -> Result<Cha
         panels.push(panel);
     }
     let found = resonance(all).map_or(String::new(), |f| {
+        let mut resonances = all.iter().filter_map(|s| s.statics?.resonance_hz);
+        let of = match resonances.all(|other| (other - f).abs() < 1e-3 * f) {
+            true => String::new(),
+            false => all
+                .iter()
+                .rev()
+                .find(|s| s.statics.is_some_and(|s| s.resonance_hz.is_some()))
+                .map_or(String::new(), |s| format!(" of {}", s.model)),
+        };
         format!(
-            " fn = {}: the resonance of the mesh; at fn/2, fn/3, ... a harmonic of the mesh \
+            " fn = {}: the resonance of the mesh{of}; at fn/2, fn/3, ... a harmonic of the mesh \
              frequency meets it.",
             quantity(f, "Hz", 3)
         )
@@ -226,7 +233,7 @@ fn harmonics(all: &[SweptBranch<'_>], x: &Axis) -> Result<Option<Chart>, DrawErr
 }
 
 /// Draws the transmission error over two mesh cycles: quasi-static, at low speed, and at each resonance.
-fn cycles(still: &[StaticCycle], all: &[SweptBranch<'_>]) -> Result<Option<Chart>, DrawError> {
+fn cycles(still: &[ModelCycle<'_>], all: &[SweptBranch<'_>]) -> Result<Option<Chart>, DrawError> {
     let Some(detailed) = all.iter().rev().find(|s| !s.runs.is_empty()) else {
         return Ok(None);
     };
@@ -253,11 +260,13 @@ fn cycles(still: &[StaticCycle], all: &[SweptBranch<'_>]) -> Result<Option<Chart
     let line =
         |look: CurveStyle, points| Curve::line(Stroke::dashed(look.ink, 1.8, look.dash), points);
     let statics = still.iter().map(|s| {
-        let of = |a: &&SweptBranch<'_>| a.statics.is_some_and(|x| std::ptr::eq(x, s));
-        let style = all.iter().find(of).map(|a| a.style);
         // A model that stands still only is the dark line.
-        let look = style.map_or(STANDING, curve_style);
-        line(look, twice(&s.position, &s.error_m, s.error_mean_m))
+        let look = of_cycle(all, s).map_or(standing(s.scene), |a| curve_style(a.style));
+        let cycle = s.cycle;
+        line(
+            look,
+            twice(&cycle.position, &cycle.error_m, cycle.error_mean_m),
+        )
     });
     if !still.is_empty() {
         let panel = Panel::new(150.0, &x, "TE [\u{b5}m]").remark("at rest");
@@ -287,12 +296,9 @@ fn cycles(still: &[StaticCycle], all: &[SweptBranch<'_>]) -> Result<Option<Chart
     }
     let mut names = legend(all);
     for s in still {
-        if !all
-            .iter()
-            .any(|a| a.statics.is_some_and(|x| std::ptr::eq(x, s)))
-        {
+        if of_cycle(all, s).is_none() {
             let name = format!("{} (at rest)", s.label);
-            names.push(Entry::marked(&name, STANDING, false));
+            names.push(Entry::marked(&name, standing(s.scene), false));
         }
     }
     let caption = format!(
@@ -303,9 +309,18 @@ fn cycles(still: &[StaticCycle], all: &[SweptBranch<'_>]) -> Result<Option<Chart
     chart("sweep_cycles.svg", title, caption, &names, &panels).map(Some)
 }
 
-/// Look of the quasi-static limit of a model without runs in the sweep.
-const STANDING: CurveStyle = CurveStyle {
-    ink: Ink::DARK,
-    dash: &[],
-    marker: Marker::Circle,
-};
+/// Returns the branch of the model of a static cycle.
+fn of_cycle<'s, 'a>(all: &'s [SweptBranch<'a>], s: &ModelCycle<'_>) -> Option<&'s SweptBranch<'a>> {
+    let of = |a: &&SweptBranch<'_>| a.statics.is_some_and(|x| std::ptr::eq(x, s.cycle));
+    all.iter().find(of)
+}
+
+/// Returns the look of the quasi-static limit of a model without runs in the sweep, by the place of its scene.
+fn standing(scene: usize) -> CurveStyle {
+    let Stroke { ink, dash, .. } = reference_stroke(scene);
+    CurveStyle {
+        ink: if scene == 0 { Ink::DARK } else { ink },
+        dash,
+        marker: Marker::Circle,
+    }
+}

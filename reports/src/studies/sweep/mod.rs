@@ -7,8 +7,8 @@ mod tables;
 
 use crate::drawing::canvas::DrawError;
 use crate::markup::runs;
-use crate::record::{Run, Status};
-use crate::studies::StudyReport;
+use crate::record::{Part, Run, Status};
+use crate::studies::{StudyReport, findings, of_scene};
 use crate::view::View;
 pub(super) use csv::steady_columns;
 use maud::html;
@@ -18,8 +18,10 @@ pub use record::{
 
 /// Runs of a model by mesh frequency, on one branch.
 pub struct SweptBranch<'a> {
-    /// Label of the model.
+    /// Label of the model, with its branch if it has several.
     pub label: String,
+    /// Label of the model.
+    pub model: String,
     /// Place of the model in the order of appearance.
     pub style: usize,
     /// Branch of the runs.
@@ -69,6 +71,7 @@ pub fn swept<'a>(view: &View<'a>, statics: &'a [StaticCycle]) -> Vec<SweptBranch
                     1 => g.label.clone(),
                     _ => format!("{}, {branch}", g.label),
                 },
+                model: g.label.clone(),
                 style: g.style,
                 branch,
                 first: i == 0,
@@ -78,7 +81,7 @@ pub fn swept<'a>(view: &View<'a>, statics: &'a [StaticCycle]) -> Vec<SweptBranch
                     .iter()
                     .map(|(s, _)| s.mesh_frequency_hz)
                     .collect(),
-                statics: statics.iter().find(|s| s.label == g.label),
+                statics: statics.iter().find(|s| s.label == g.model),
             });
         }
     }
@@ -90,16 +93,61 @@ pub fn resonance(all: &[SweptBranch<'_>]) -> Option<f64> {
     all.iter().rev().find_map(|s| s.statics?.resonance_hz)
 }
 
-/// Returns the report of a sweep.
-pub(super) fn report(view: &View<'_>, statics: &[StaticCycle]) -> Result<StudyReport, DrawError> {
-    let all = swept(view, statics);
-    let two = bistable(view.results);
+/// The static mesh cycle of a model of a scene.
+pub struct ModelCycle<'a> {
+    /// Label of the model, with several scenes after the name of its scene.
+    pub label: String,
+    /// Index of its scene.
+    pub scene: usize,
+    /// The cycle.
+    pub cycle: &'a StaticCycle,
+}
+
+/// Returns the static cycles of a record.
+fn statics_of<'a>(view: &View<'a>) -> &'a [StaticCycle] {
+    match &view.results.part {
+        Part::Sweep(part) => &part.statics,
+        _ => &[],
+    }
+}
+
+/// Returns the models of a scene with two steady states at one speed, under their labels on the page.
+fn bistable_of(view: &View<'_>) -> Vec<Bistable> {
+    let mut all = bistable(view.results);
+    for two in &mut all {
+        two.label = view.with_scene(&two.label);
+    }
+    all
+}
+
+/// Returns the report of a sweep of one or several scenes, whose curves share the charts.
+pub(super) fn report(views: &[View<'_>]) -> Result<StudyReport, DrawError> {
+    let all: Vec<SweptBranch<'_>> = (views.iter())
+        .flat_map(|v| swept(v, statics_of(v)))
+        .collect();
+    let two: Vec<Bistable> = views.iter().flat_map(bistable_of).collect();
+    let statics: Vec<ModelCycle<'_>> = (views.iter())
+        .flat_map(|v| {
+            statics_of(v).iter().map(|cycle| ModelCycle {
+                label: v.with_scene(&cycle.label),
+                scene: v.place,
+                cycle,
+            })
+        })
+        .collect();
+    let (finding, answer) = findings(views, |view| {
+        let all = swept(view, statics_of(view));
+        (tables::finding(view, &all, &bistable_of(view)), 0)
+    });
     Ok(StudyReport {
-        finding: tables::finding(view, &all, &two),
+        finding,
+        answer,
         tables: tables::tables(&all),
-        charts: charts::sweep(&all, statics, &two)?,
-        details: html! { (tables::speeds(&all)) (runs::failures(view)) },
-        csv: csv::tables(view.results, statics),
+        charts: charts::sweep(&all, &statics, &two)?,
+        details: html! {
+            (tables::speeds(&all))
+            @for view in views { (of_scene(view, &runs::failures(view))) }
+        },
         ..StudyReport::default()
     })
 }

@@ -1,9 +1,9 @@
 //! Chart of error over cost with the Pareto front of each family.
 
-use super::{PLOT, Scale, models_of};
+use super::{PLOT, Scale, models_of, point_text};
 use crate::drawing::Chart;
 use crate::drawing::axis::TICK_SIZE;
-use crate::drawing::canvas::{Anchor, DrawError, Stroke, Type, draw};
+use crate::drawing::canvas::{Anchor, DrawError, Stroke, Type, draw_with};
 use crate::drawing::geometry::Rect;
 use crate::drawing::labels::OccupiedArea;
 use crate::drawing::panel::{LEFT, RIGHT, WIDTH};
@@ -39,32 +39,42 @@ pub(super) fn families(
     let reference = view.reference_name(against);
     let title = format!("The best of each model and integrator against {against}");
     let below = area.y1 + 46.0;
-    let svg = draw(WIDTH, below + numbers.height(), &title, |c| {
+    let height = below + numbers.height();
+    let svg = draw_with(WIDTH, height, &title, &scatter::panels(), |c| {
         scatter::key(c, &models, WIDTH, true);
         let frame = scale.frame(area);
-        frame.paint(c, scale.x_name, &metric.axis(), true);
-        let mut room = OccupiedArea::of(area);
-        let mut ends: Vec<(String, (f64, f64))> = Vec::new();
-        for name in &names {
-            let best = cloud.improvements(&cloud.front(|s| family(s.run) == *name));
-            let path: Vec<(f64, f64)> = (best.iter())
-                .map(|&i| scale.at(&frame, cloud.shown[i].point))
-                .collect();
-            let Some(&last) = best.last() else { continue };
-            let s = &cloud.shown[last];
-            let own = curve_style(s.style);
-            let width = if is_reduced_exactly(s.run) { 2.4 } else { 1.1 };
-            c.line(&path, Stroke::new(own.ink.opacity(0.6), width));
-            room.occupy_line(&path);
-            for at in &path {
-                marker(c, *at, 4.0, own, !s.run.implicit);
-                room.occupy_point(*at, 4.5);
+        let y_name = metric.axis();
+        c.group(&frame.attributes("panel", scale.x_name, &y_name, ""), |c| {
+            frame.paint(c, scale.x_name, &y_name, true);
+            let mut room = OccupiedArea::of(area);
+            let mut ends: Vec<(String, (f64, f64))> = Vec::new();
+            for name in &names {
+                let best = cloud.improvements(&cloud.front(|s| family(s.run) == *name));
+                let path: Vec<(f64, f64)> = (best.iter())
+                    .map(|&i| scale.at(&frame, cloud.shown[i].point))
+                    .collect();
+                let Some(&last) = best.last() else { continue };
+                let s = &cloud.shown[last];
+                let own = curve_style(s.style);
+                let width = if is_reduced_exactly(s.run) { 2.4 } else { 1.1 };
+                let stroke = Stroke::new(own.ink.opacity(0.6), width);
+                scatter::guide(c, &path, &area, stroke, Some(s.style));
+                room.occupy_line(&path);
+                for (&i, at) in best.iter().zip(&path) {
+                    let text = point_text(study, &cloud.shown[i]);
+                    scatter::point(c, *at, (s.style, None), &text, |c| {
+                        marker(c, *at, 4.0, own, !s.run.implicit);
+                    });
+                    room.occupy_point(*at, 4.5);
+                }
+                ends.push((numbers.text(&s.run.integrator), scale.at(&frame, s.point)));
             }
-            ends.push((numbers.text(&s.run.integrator), scale.at(&frame, s.point)));
-        }
-        for (text, at) in &ends {
-            room.write(c, text, *at, Type::new(TICK_SIZE, Anchor::Start));
-        }
+            c.group(&scatter::notes(), |c| {
+                for (text, at) in &ends {
+                    room.write(c, text, *at, Type::new(TICK_SIZE, Anchor::Start));
+                }
+            });
+        });
         numbers.paint(c, below);
     })?;
     Ok(Some(Chart {

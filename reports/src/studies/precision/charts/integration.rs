@@ -1,9 +1,9 @@
 //! Error of the integration over cost: one small diagram per model, against its own converged solution.
 
-use super::{ABOVE, SMALL, Scale, staircase, translucent};
+use super::{ABOVE, SMALL, Scale, point_text, staircase, translucent};
 use crate::drawing::Chart;
-use crate::drawing::axis::{NAME_SIZE, TICK_SIZE};
-use crate::drawing::canvas::{Anchor, Canvas, DrawError, Ink, Stroke, Type, draw};
+use crate::drawing::axis::{Frame, NAME_SIZE, TICK_SIZE};
+use crate::drawing::canvas::{Anchor, Canvas, DrawError, Ink, Stroke, Type, draw_with};
 use crate::drawing::geometry::Rect;
 use crate::drawing::labels::OccupiedArea;
 use crate::drawing::panel::{LEFT, RIGHT, WIDTH};
@@ -49,7 +49,9 @@ pub(super) fn integration(
     let title = "Error of integration by model, over processor time";
     let pitch = SMALL + 34.0 + ABOVE;
     let below = top + pitch * rows as f64 + 14.0;
-    let svg = draw(WIDTH, below + numbers.height(), title, |c| {
+    let name = metric.axis();
+    let height = below + numbers.height();
+    let svg = draw_with(WIDTH, height, title, &scatter::panels(), |c| {
         scatter::key(c, &models, WIDTH, true);
         numbers.paint(c, below);
         for (k, (style, modes, shown)) in panels.iter().enumerate() {
@@ -65,11 +67,15 @@ pub(super) fn integration(
                 ..own
             };
             let last = k + 2 >= panels.len();
-            panel(c, &numbers, &scale, (area, last), *style, shown);
             let label = match modes {
                 Some(n) => format!("{}, {n} modes", study.models[*style]),
                 None => study.models[*style].clone(),
             };
+            let frame = scale.frame(area);
+            let attributes = frame.attributes("panel", scale.x_name, &name, &label);
+            c.group(&attributes, |c| {
+                panel(c, study, &numbers, &scale, (&frame, last), shown);
+            });
             let failed = (cloud.failed.iter())
                 .filter(|(r, s)| s == style && r.modes == *modes)
                 .count();
@@ -84,7 +90,6 @@ pub(super) fn integration(
             c.text(&failed, (area.x1, area.y0 - 10.0), kind);
         }
         let middle = top + 0.5 * pitch * rows as f64;
-        let name = metric.axis();
         c.text(
             &name,
             (14.0, middle),
@@ -124,13 +129,13 @@ fn busiest(shown: &[&WorkPrecisionPoint<'_>]) -> Option<usize> {
 
 fn panel(
     c: &mut Canvas,
+    study: &Precision<'_>,
     numbers: &Numbers<'_>,
     scale: &Scale,
-    (area, last): (Rect, bool),
-    style: usize,
+    (frame, last): (&Frame, bool),
     shown: &[&WorkPrecisionPoint<'_>],
 ) {
-    let frame = scale.frame(area);
+    let area = frame.area;
     frame.paint(c, if last { scale.x_name } else { "" }, "", true);
     let mut room = OccupiedArea::of(area);
     let mut ends: Vec<(&str, (f64, f64))> = Vec::new();
@@ -142,10 +147,10 @@ fn panel(
         for steps in [true, false] {
             let curve: Vec<(f64, f64)> = (shown.iter())
                 .filter(|o| o.run.integrator == id && o.run.step.is_some() == steps)
-                .map(|o| scale.at(&frame, o.point))
+                .map(|o| scale.at(frame, o.point))
                 .collect();
-            let stroke = Stroke::new(curve_style(style).ink.opacity(0.35), 1.0);
-            c.line_within(&curve, &area, stroke);
+            let stroke = Stroke::new(curve_style(s.style).ink.opacity(0.35), 1.0);
+            scatter::guide(c, &curve, &area, stroke, Some(s.style));
             room.occupy_line(&curve);
             // The cheap end lies apart: fine steps meet where the converged solution ends.
             let cheap = curve.iter().min_by(|a, b| a.0.total_cmp(&b.0));
@@ -162,15 +167,19 @@ fn panel(
             translucent(own)
         };
         let radius = if best.contains(&i) { 4.4 } else { 3.2 };
-        let at = scale.at(&frame, s.point);
-        marker(c, at, radius, kept, !s.run.implicit);
+        let at = scale.at(frame, s.point);
+        scatter::point(c, at, (s.style, None), &point_text(study, s), |c| {
+            marker(c, at, radius, kept, !s.run.implicit);
+        });
         room.occupy_point(at, radius);
     }
     let stairs: Vec<Point> = best.iter().map(|&i| points[i]).collect();
     let stroke = Stroke::new(Ink::DARK, 1.2);
-    staircase(c, &frame, scale, &stairs, stroke, &mut room);
-    for (id, at) in ends {
-        let kind = Type::new(TICK_SIZE, Anchor::Start);
-        room.write(c, &numbers.text(id), at, kind);
-    }
+    staircase(c, frame, scale, &stairs, stroke, &mut room);
+    c.group(&scatter::notes(), |c| {
+        for (id, at) in ends {
+            let kind = Type::new(TICK_SIZE, Anchor::Start);
+            room.write(c, &numbers.text(id), at, kind);
+        }
+    });
 }

@@ -5,7 +5,7 @@ mod integration;
 
 use crate::drawing::Chart;
 use crate::drawing::axis::{Axis, Frame};
-use crate::drawing::canvas::{Anchor, Canvas, DrawError, Ink, Stroke, Type, draw};
+use crate::drawing::canvas::{Anchor, Canvas, DrawError, Ink, Stroke, Type, draw_with};
 use crate::drawing::geometry::Rect;
 use crate::drawing::labels::OccupiedArea;
 use crate::drawing::panel::{LEFT, RIGHT, WIDTH, extremes};
@@ -13,13 +13,13 @@ use crate::drawing::scatter;
 use crate::drawing::style::{CurveStyle, cross, curve_style, marker};
 use crate::metrics::Metric;
 
-use crate::numbers::count;
+use crate::numbers::{count, per_cent, quantity};
 use crate::record::{Run, SELF, Status};
 use crate::studies::precision::pareto::Point;
 use crate::studies::precision::{
     Cost, Precision, WorkPrecision, WorkPrecisionPoint, id_of, modes_and_step,
 };
-use crate::view::{View, capital, metric_against};
+use crate::view::{View, capital, metric_against, resolution};
 use families::families;
 use integration::integration;
 
@@ -133,7 +133,7 @@ fn staircase(
     }
     if let Some(last) = path.last().copied() {
         path.push((frame.area.x1, last.1));
-        c.line_within(&path, &frame.area, stroke);
+        scatter::guide(c, &path, &frame.area, stroke, None);
         room.occupy_line(&path);
     }
 }
@@ -170,49 +170,55 @@ fn all_runs(
         id => id,
     };
     let title = format!("{} against {short}, over {over}", capital(metric.words()));
-    let svg = draw(WIDTH, area.y1 + 46.0, &title, |c| {
+    let svg = draw_with(WIDTH, area.y1 + 46.0, &title, &scatter::panels(), |c| {
         scatter::key(c, &models, WIDTH, true);
         let edge = Rect::new(LEFT, top, WIDTH - RIGHT, top + strip - 8.0);
         failures(c, &reasons, &edge);
         let frame = scale.frame(area);
-        frame.paint(c, scale.x_name, &metric.axis(), true);
-        let on = |i: &usize| all.contains(i) || fair.contains(i);
-        let mut room = OccupiedArea::of(area);
-        for i in (0..cloud.shown.len()).filter(|i| !on(i)) {
-            let s = &cloud.shown[i];
-            let at = scale.at(&frame, s.point);
-            marker(
-                c,
-                at,
-                3.4,
-                translucent(curve_style(s.style)),
-                !s.run.implicit,
-            );
-            room.keep_pale(at, 3.4);
-        }
-        let stairs = |of: &[usize]| of.iter().map(|&i| cloud.shown[i].point).collect::<Vec<_>>();
-        if fitted {
-            let stroke = Stroke::dashed(Ink::GREY, 1.3, &[3.0, 3.0]);
-            staircase(c, &frame, &scale, &stairs(&all), stroke, &mut room);
-        }
-        let full = Stroke::new(Ink::DARK, 1.5);
-        staircase(c, &frame, &scale, &stairs(&fair), full, &mut room);
-        for i in (0..cloud.shown.len()).filter(on) {
-            let s = &cloud.shown[i];
-            let at = scale.at(&frame, s.point);
-            room.occupy_point(at, 6.0);
-            marker(c, at, 5.4, curve_style(s.style), !s.run.implicit);
-        }
-        let mut named = cloud.improvements(&fair);
-        named.extend(cloud.improvements(&all));
-        named.sort_unstable();
-        named.dedup();
-        for &i in &named {
-            let s = &cloud.shown[i];
-            let text = words(s);
-            let kind = Type::new(NAME, Anchor::Start);
-            room.write(c, &text, scale.at(&frame, s.point), kind);
-        }
+        let y_name = metric.axis();
+        c.group(&frame.attributes("panel", scale.x_name, &y_name, ""), |c| {
+            frame.paint(c, scale.x_name, &y_name, true);
+            let on = |i: &usize| all.contains(i) || fair.contains(i);
+            let mut room = OccupiedArea::of(area);
+            for s in (0..cloud.shown.len())
+                .filter(|i| !on(i))
+                .map(|i| &cloud.shown[i])
+            {
+                let at = scale.at(&frame, s.point);
+                let look = translucent(curve_style(s.style));
+                scatter::point(c, at, (s.style, None), &point_text(study, s), |c| {
+                    marker(c, at, 3.4, look, !s.run.implicit);
+                });
+                room.keep_pale(at, 3.4);
+            }
+            let stairs =
+                |of: &[usize]| of.iter().map(|&i| cloud.shown[i].point).collect::<Vec<_>>();
+            if fitted {
+                let stroke = Stroke::dashed(Ink::GREY, 1.3, &[3.0, 3.0]);
+                staircase(c, &frame, &scale, &stairs(&all), stroke, &mut room);
+            }
+            let full = Stroke::new(Ink::DARK, 1.5);
+            staircase(c, &frame, &scale, &stairs(&fair), full, &mut room);
+            for s in (0..cloud.shown.len()).filter(on).map(|i| &cloud.shown[i]) {
+                let at = scale.at(&frame, s.point);
+                room.occupy_point(at, 6.0);
+                scatter::point(c, at, (s.style, None), &point_text(study, s), |c| {
+                    marker(c, at, 5.4, curve_style(s.style), !s.run.implicit);
+                });
+            }
+            let mut named = cloud.improvements(&fair);
+            named.extend(cloud.improvements(&all));
+            named.sort_unstable();
+            named.dedup();
+            c.group(&scatter::notes(), |c| {
+                for &i in &named {
+                    let s = &cloud.shown[i];
+                    let text = words(s);
+                    let kind = Type::new(NAME, Anchor::Start);
+                    room.write(c, &text, scale.at(&frame, s.point), kind);
+                }
+            });
+        });
     })?;
     Ok(Some(Chart {
         file,
@@ -251,6 +257,23 @@ fn caption(reference: &str, metric: Metric, cost: Cost, fitted: bool, own: bool)
 /// Returns the text at a point of the front: integrator, modes and step.
 fn words(s: &WorkPrecisionPoint<'_>) -> String {
     format!("{} {}", id_of(&s.run.integrator), modes_and_step(s.run))
+}
+
+/// Returns model, method, error and cost of a point as a text for the cursor of a page.
+fn point_text(study: &Precision<'_>, s: &WorkPrecisionPoint<'_>) -> String {
+    let modes = s
+        .run
+        .modes
+        .map_or_else(String::new, |n| format!(", {n} modes"));
+    format!(
+        "{}{modes} under {}, {}: {} in {} and {} force evaluations",
+        study.models[s.style],
+        s.run.integrator,
+        resolution(s.run),
+        per_cent(s.point.error, 3),
+        quantity(s.run.cost_s(), "s", 3),
+        count(s.run.force_evaluations)
+    )
 }
 
 /// Returns the models of a cloud: place, label and whether they are fitted.
