@@ -15,6 +15,7 @@
 //! too, from event to event ([`FreeFlight::linear_path`](crate::FreeFlight::linear_path)): such a path may press, and ends
 //! where event functions reach zero. Methods that are exact for oscillators go along it.
 
+use crate::archive::{Archive, ArchiveError};
 use crate::method::Dense;
 use crate::modal::propagator::coefficients;
 use crate::system::{SecondOrderSystem, State};
@@ -163,6 +164,19 @@ impl QueryInterval {
         let over = self.skip == 0;
         self.skip = self.skip.saturating_sub(1);
         over
+    }
+
+    /// Traverses the interval.
+    pub(crate) fn archive(&mut self, archive: &mut Archive<'_>) -> Result<(), ArchiveError> {
+        for x in [&mut self.skip, &mut self.next] {
+            let mut word = u64::from(*x);
+            archive.whole(&mut word)?;
+            *x = u32::try_from(word)
+                .ok()
+                .filter(|x| *x <= MOST_SKIPPED)
+                .ok_or(ArchiveError::Value("interval"))?;
+        }
+        Ok(())
     }
 
     /// Lengthens the interval after an unsuccessful query and resets it after a successful one.
