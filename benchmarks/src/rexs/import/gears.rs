@@ -355,7 +355,11 @@ impl ImportedGear {
         let reference = 0.5 * m * f64::from(self.table.teeth) / beta.cos();
         // Outwards from the reference circle for external gears, inwards for internal ones.
         let sign = self.signed_teeth().signum();
-        if let Some(root) = self.root {
+        if let (Some(root), true) = (self.root, self.table.internal) {
+            // The root of a ring depends on its cutter: it has a key of its own.
+            (self.table.dedendum_factor, self.table.root_circle_radius_m) =
+                (None, Some(exact(root)));
+        } else if let Some(root) = self.root {
             self.table.dedendum_factor = Some(exact(sign * (reference - root) / m + x));
         } else if self.table.dedendum_factor.is_none() {
             report.assume(format!("{}: dedendum 1.25 modules", self.name));
@@ -367,7 +371,8 @@ impl ImportedGear {
             ));
         }
         self.avoid_undercut(report);
-        let root = reference - sign * m * (self.table.dedendum_factor.unwrap_or(1.25) - x);
+        let by_factor = reference - sign * m * (self.table.dedendum_factor.unwrap_or(1.25) - x);
+        let root = self.table.root_circle_radius_m.unwrap_or(by_factor);
         let Some(tip) = self.tip else {
             report.assume(format!("{}: addendum 1 module", self.name));
             return Ok(());
@@ -387,7 +392,11 @@ impl ImportedGear {
                 ),
             ));
         }
-        self.table.addendum_factor = Some(exact(sign * (tip - reference) / m - x));
+        if self.table.internal {
+            self.table.tip_circle_radius_m = Some(exact(tip));
+        } else {
+            self.table.addendum_factor = Some(exact((tip - reference) / m - x));
+        }
         Ok(())
     }
 }

@@ -294,31 +294,28 @@ fn direction(
     Ok(-stage.number(&key::STAGE_ANGLE)?.unwrap_or(0.0))
 }
 
-/// Position of a gear in the plane of `v` and `w` [m], from its own vectors.
+/// A list of three numbers of a component, in metres.
+fn vector(of: &Component, name: &str) -> Option<[f64; 3]> {
+    <[f64; 3]>::try_from(of.numbers(name, "mm")?).ok()
+}
+
+/// Position of a gear in the plane of `v` and `w` [m]. The axes are those of the gear unit: the own axes of a gear turn with its
+/// teeth.
 fn position(model: &Model, gear: u64) -> Option<[f64; 2]> {
-    let own = model.component(gear)?;
-    let vector = |name: &str| {
-        let list = own.numbers(name, "mm")?;
-        <[f64; 3]>::try_from(list).ok()
+    let place = vector(model.component(gear)?, "support_vector")?;
+    let unit = model.of_kind("gear_unit").next();
+    let axis = |name: &str, usual: [f64; 3]| {
+        let own = unit.and_then(|unit| vector(unit, name)).unwrap_or(usual);
+        let length = own.iter().map(|x| x * x).sum::<f64>().sqrt();
+        (length > 0.0).then(|| own.map(|x| x / length))
     };
-    let (place, u, w) = (
-        vector("support_vector")?,
-        vector("u_axis_vector")?,
-        vector("w_axis_vector")?,
-    );
-    let unit = |x: [f64; 3]| {
-        let length = x.iter().map(|x| x * x).sum::<f64>().sqrt();
-        (length > 0.0).then(|| x.map(|x| x / length))
-    };
-    let (u, w) = (unit(u)?, unit(w)?);
-    let cross = |a: [f64; 3], b: [f64; 3]| {
-        [
-            a[1] * b[2] - a[2] * b[1],
-            a[2] * b[0] - a[0] * b[2],
-            a[0] * b[1] - a[1] * b[0],
-        ]
-    };
-    let v = cross(w, u);
+    let u = axis("u_axis_vector", [1.0, 0.0, 0.0])?;
+    let w = axis("w_axis_vector", [0.0, 0.0, 1.0])?;
+    let v = [
+        w[1] * u[2] - w[2] * u[1],
+        w[2] * u[0] - w[0] * u[2],
+        w[0] * u[1] - w[1] * u[0],
+    ];
     let dot = |a: [f64; 3]| a.iter().zip(&place).map(|(a, b)| a * b).sum::<f64>();
     Some([dot(v), dot(w)])
 }
@@ -518,7 +515,11 @@ fn try_addenda(
 ) -> Result<(), SceneError> {
     let open: Vec<usize> = (scene.gears.0.iter().enumerate())
         .filter(|(_, (_, gear))| match gear {
-            ToothedTable::Gear(gear) => gear.internal && gear.addendum_factor.is_none(),
+            ToothedTable::Gear(gear) => {
+                gear.internal
+                    && gear.addendum_factor.is_none()
+                    && gear.tip_circle_radius_m.is_none()
+            }
             ToothedTable::Rack(_) => false,
         })
         .map(|(i, _)| i)
@@ -649,7 +650,7 @@ impl Assembly<'_> {
         }
     }
 
-    /// Ten mesh periods of the slowest stage, at least a tenth of a millisecond.
+    /// Ten mesh periods of the slowest stage, at most 200 of the fastest, at least a tenth of a millisecond.
     fn duration(&mut self, speeds: &[f64]) -> f64 {
         let frequency = |stage: &ImportedStage| {
             let [a, _] = stage.gears;
@@ -660,18 +661,16 @@ impl Assembly<'_> {
                     .map_or(0.0, |c| speeds[c]);
             (speed * f64::from(self.gears[a].table.teeth)).abs() / std::f64::consts::TAU
         };
-        let slowest = self
-            .stages
-            .iter()
-            .map(frequency)
-            .fold(f64::INFINITY, f64::min);
+        let all: Vec<f64> = self.stages.iter().map(frequency).collect();
+        let slowest = all.iter().copied().fold(f64::INFINITY, f64::min);
+        let fastest = all.iter().copied().fold(0.0, f64::max);
         let duration = match slowest > 0.0 {
-            true => (10.0 / slowest).clamp(1e-4, 1.0),
+            true => (10.0 / slowest).min(200.0 / fastest).clamp(1e-4, 1.0),
             false => 1e-3,
         };
         let duration = format!("{duration:.1e}").parse().unwrap_or(duration);
         self.report
-            .assume(format!("duration {duration} s, about ten mesh periods"));
+            .assume(format!("duration {duration} s, ten mesh periods of the slowest stage, at most 200 of the fastest"));
         duration
     }
 
