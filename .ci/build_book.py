@@ -24,6 +24,7 @@ CHAPTERS = {
     "docs/data.md": "Records and CSV columns",
     "docs/limits.md": "Every limit",
     "docs/fmu.md": "FMUs",
+    "docs/rexs.md": "REXS",
     "docs/reduction-format.md": "Format of reductions",
     "docs/seeds.md": "Figures of the publications",
     "docs/skewed-contact.md": "Skewed contact",

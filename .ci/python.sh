@@ -80,7 +80,7 @@ least = min(seconds() for _ in range(7))
 print(f"import, with the start of Python: {least:.3f} s")
 END
   )
-  "$own/bin/pip" install --quiet --disable-pip-version-check pytest mypy pandas xarray matplotlib distributed loky >> "$log" 2>&1 \
+  "$own/bin/pip" install --quiet --disable-pip-version-check pytest mypy pandas xarray matplotlib distributed loky fmpy >> "$log" 2>&1 \
     || leave_out "Python $version: pip failed ($log)"
   (
     cd python/tests

@@ -1,13 +1,16 @@
 #!/usr/bin/env python3
-"""FMUs of gearbench under FMPy: validation, co-simulation against the run of the scene, model exchange, going back.
+"""FMUs of gearbench under FMPy, of FMI 3 and FMI 2: validation, co-simulation against the plain run of the scene, model
+exchange, returns to a state, states as bytes.
 
-    cargo build --release --workspace
+    cargo build --release
     pip install fmpy
     python3 benchmarks/scripts/fmpy_check.py [target/release/gearbench]
 
-Packs shipped scenes, and ends with an error where FMPy finds a problem or results differ by more than the bounds below.
+Packs shipped scenes in both versions of the standard, and ends with an error where FMPy finds a problem or results differ by
+more than the bounds below. `.ci/fmpy.sh` installs FMPy in an environment of its own and runs this script.
 """
 
+import csv
 import subprocess
 import sys
 import tempfile
@@ -25,18 +28,30 @@ CASES = [
     ("driveline", "rigid", "velocity-verlet@400ns", 4e-3, 4e-6),
     ("spur_impact", "elastic", "velocity-verlet@50ns", 1.6e-4, 1e-6),
 ]
-# Greatest difference of speeds at the end over their greatest value: between one communication step and many, and of model
-# exchange under CVode (rtol 1e-8) beside co-simulation.
+# Greatest difference of speeds at the end over their greatest value: between one communication step and many, and between
+# model exchange under CVode (rtol 1e-8) and co-simulation.
 EQUAL, EXCHANGED = 1e-12, 1e-4
+# The file of the plain run has ten digits; the tests of the crate compare all of them.
+PRINTED = 1e-9
 # The fastest of a hundred modes have lost a tenth of a radian under the method that steps them in co-simulation.
 EXCHANGED_MODES = 1e-3
 
 
-def packed(program, folder, scene, model, method):
-    path = folder / f"{scene}-{model}.fmu"
-    command = [program, "fmu", scene, "--model", model, "--method", method, "--out", str(path)]
+def packed(program, folder, scene, model, method, version):
+    path = folder / f"{scene}-{model}-{version}.fmu"
+    command = [program, "fmu", scene, "--model", model, "--method", method, "--fmi", version, "--out", str(path)]
     subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
     return path
+
+
+def plain(program, folder, scene, model, method, end):
+    """Last row of the run of a scene without an FMU, by column."""
+    out = folder / f"{scene}-{model}.csv"
+    command = [program, "reference", scene, "--model", model, "--method", method, "--duration", repr(end)]
+    subprocess.run(command + ["--out", str(out)], check=True, stdout=subprocess.DEVNULL)
+    rows = list(csv.DictReader(line for line in out.read_text().splitlines() if not line.startswith("#")))
+    assert float(rows[-1]["time_s"]) == end, rows[-1]["time_s"]
+    return {name: float(value) for name, value in rows[-1].items() if value}
 
 
 def goes_back(path, step):
@@ -46,18 +61,32 @@ def goes_back(path, step):
     fmu = instantiate_fmu(unzipped, description, "CoSimulation")
     references = [v.valueReference for v in description.modelVariables if v.causality == "output"]
     torque = next(v.valueReference for v in description.modelVariables if v.causality == "input")
+    if description.fmiVersion == "2.0":
+        fmu.setupExperiment(startTime=0.0)
+        get, put = fmu.getReal, fmu.setReal
+        keep, go_back, free = fmu.getFMUstate, fmu.setFMUstate, fmu.freeFMUstate
+        store, restore = fmu.serializeFMUstate, fmu.deSerializeFMUstate
+    else:
+        get, put = fmu.getFloat64, fmu.setFloat64
+        keep, go_back, free = fmu.getFMUState, fmu.setFMUState, fmu.freeFMUState
+        store, restore = fmu.serializeFMUState, fmu.deserializeFMUState
     fmu.enterInitializationMode()
     fmu.exitInitializationMode()
     fmu.doStep(0.0, step)
-    kept = fmu.getFMUState()
+    kept = keep()
+    stored = store(kept)
     ends = []
     for i in range(10):
-        fmu.setFMUState(kept)
+        if i == 5:
+            # The second half starts from the bytes.
+            free(kept)
+            kept = restore(stored)
+        go_back(kept)
         fmu.doStep(step, 20 * step)
-        ends.append(fmu.getFloat64(references))
-        fmu.setFloat64([torque], [10.0 * (i - 5)])
+        ends.append(list(get(references)))
+        put([torque], [10.0 * (i - 5)])
         fmu.doStep(21 * step, 3.3 * step)
-    fmu.freeFMUState(kept)
+    free(kept)
     fmu.terminate()
     fmu.freeInstance()
     return all(end == ends[0] for end in ends)
@@ -67,36 +96,50 @@ def main():
     program = sys.argv[1] if len(sys.argv) > 1 else "target/release/gearbench"
     failed = []
     print(f"FMPy {fmpy.__version__}")
-    with tempfile.TemporaryDirectory() as folder:
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
         for scene, model, method, end, step in CASES:
-            path = packed(program, Path(folder), scene, model, method)
-            problems = validate_fmu(str(path))
-            description = read_model_description(str(path))
-            names = [v.name for v in description.modelVariables if v.causality == "output"]
-            speeds = [n for n in names if n.endswith(".speed")]
-            run = dict(filename=str(path), stop_time=end, output=names)
-            many = simulate_fmu(fmi_type="CoSimulation", output_interval=step, **run)
-            one = simulate_fmu(fmi_type="CoSimulation", output_interval=end, **run)
-            equal = max(abs(many[n][-1] - one[n][-1]) / abs(many[n]).max() for n in speeds)
-            exchanged = simulate_fmu(
-                fmi_type="ModelExchange", solver="CVode", relative_tolerance=1e-8, output_interval=end / 200,
-                record_events=False, **run,
-            )
-            other = simulate_fmu(fmi_type="CoSimulation", output_interval=end / 200, **run)
-            exchange = max(abs(exchanged[n][-1] - other[n][-1]) / abs(other[n]).max() for n in speeds)
-            back = goes_back(path, step)
-            print(
-                f"{scene} {model} {method}: {len(problems)} problems, {description.numberOfContinuousStates} states, "
-                f"{description.numberOfEventIndicators} event indicators; {len(many)} samples, "
-                f"one step beside many {equal:.1e}, model exchange under CVode {exchange:.1e}, going back "
-                f"{'bit for bit' if back else 'DIFFERS'}"
-            )
-            for problem in problems:
-                print("   ", problem)
-            bound = EXCHANGED_MODES if model == "elastic" else EXCHANGED
-            bad = problems or not back or not equal < EQUAL or not exchange < bound
-            if bad:
-                failed.append(f"{scene} {model}")
+            run = plain(program, folder, scene, model, method, end)
+            results = []
+            for version in "32":
+                path = packed(program, folder, scene, model, method, version)
+                problems = validate_fmu(str(path))
+                description = read_model_description(str(path))
+                names = [v.name for v in description.modelVariables if v.causality == "output"]
+                speeds = [n for n in names if n.endswith(".speed")]
+                host = dict(filename=str(path), stop_time=end, output=names)
+                many = simulate_fmu(fmi_type="CoSimulation", output_interval=step, **host)
+                one = simulate_fmu(fmi_type="CoSimulation", output_interval=end, **host)
+                results.append(many)
+                scale = {n: abs(many[n]).max() for n in speeds}
+                equal = max(abs(many[n][-1] - one[n][-1]) / scale[n] for n in speeds)
+                # Speeds of elastic gears in the file are those of their momentum, angles those of hubs.
+                columns = {n: f"hub_angle_{n.removesuffix('.angle')}_rad" for n in names if n.endswith(".angle")}
+                columns = {n: c for n, c in columns.items() if c in run}
+                beside = max(abs(many[n][-1] - run[c]) / abs(many[n]).max() for n, c in columns.items())
+                exchanged = simulate_fmu(
+                    fmi_type="ModelExchange", solver="CVode", relative_tolerance=1e-8, output_interval=end / 200,
+                    record_events=False, **host,
+                )
+                other = simulate_fmu(fmi_type="CoSimulation", output_interval=end / 200, **host)
+                exchange = max(abs(exchanged[n][-1] - other[n][-1]) / scale[n] for n in speeds)
+                back = goes_back(path, step)
+                print(
+                    f"FMI {version}, {scene} {model} {method}: {len(problems)} problems, "
+                    f"{description.numberOfContinuousStates} states; {len(many)} samples; difference from the plain run "
+                    f"{beside:.1e} (10 digits), of one step from many {equal:.1e}, of model exchange under CVode "
+                    f"{exchange:.1e}; returns {'bit for bit' if back else 'DIFFER'}"
+                )
+                for problem in problems:
+                    print("   ", problem)
+                bound = EXCHANGED_MODES if model == "elastic" else EXCHANGED
+                if problems or not back or not equal < EQUAL or not exchange < bound or not beside < PRINTED:
+                    failed.append(f"FMI {version}, {scene} {model}")
+            three, two = results
+            if any((three[n] != two[n]).any() for n in three.dtype.names):
+                failed.append(f"{scene} {model}: FMI 2 and FMI 3 differ")
+            else:
+                print(f"    all {len(three.dtype.names)} columns of FMI 2 and FMI 3 are equal bit for bit")
     if failed:
         sys.exit(f"failed: {', '.join(failed)}")
 

@@ -4,6 +4,8 @@
 //! hub that the host moves continues at its speed. With the parameter `interpolate` loads vary linearly, and motions
 //! along the cubic Hermite polynomial through both displacements with both speeds, from the inputs to those that end in
 //! `_end`. If the speeds are the slope between the displacements, the cubic is a line, as in linear interpolation.
+//! Instead of values at the end a host may give first and second time derivatives at the start, for one step: a load is
+//! then a quadratic, and the values at the end of a motion are those of the derivatives.
 //!
 //! **Steps.** The method continues from the present state: as long as inputs do not change, communication points are no
 //! more than samples of one run. Where inputs change, the method restarts, as at a breakpoint of a load; where the host
@@ -11,7 +13,8 @@
 //! velocities that respond to accelerations of the hub, such as those of the modes of elastic gears in its frame
 //! (`jumps`), so that piecewise linear motion of a hub excites them as smooth motion does.
 //!
-//! **Rollback.** A [`Snapshot`] contains all that the next step depends on, including the method with its history.
+//! **Rollback.** A [`Snapshot`] contains all that the next step depends on, including the method with its history. It can
+//! be stored as bytes (`stored`).
 
 use gearbench::fmu::coupled::{Coupled, InputQuantity};
 use gearbench::fmu::interface::{Interface, Quantity, Role};
@@ -56,14 +59,16 @@ pub(crate) fn fail<T>(why: impl Into<String>) -> CallResult<T> {
 
 /// Inputs that the host set at a port: `[load, -]` or `[displacement, speed]`, now and at the end of the step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct PortInput {
-    now: [f64; 2],
-    end: [f64; 2],
+pub(crate) struct PortInput {
+    pub(crate) now: [f64; 2],
+    pub(crate) end: [f64; 2],
+    /// First and second time derivatives of both, for the next step.
+    pub(crate) derivatives: [[f64; 2]; 2],
 }
 
 /// Phase of the life cycle of an instance; it decides which calls are allowed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Phase {
+pub(crate) enum Phase {
     Instantiated,
     Initialising,
     Running,
@@ -73,25 +78,29 @@ enum Phase {
 /// All data that a step depends on, apart from the integration method.
 #[derive(Clone, Debug)]
 pub(crate) struct Memory {
-    phase: Phase,
+    pub(crate) phase: Phase,
     /// State of the scene, in the time of the scene.
     pub(crate) state: State,
     /// Time of the host at time zero of the scene [s].
-    shift: f64,
+    pub(crate) shift: f64,
     /// Stop time of the host, if it defined one [s].
-    stop: Option<f64>,
-    given: Vec<PortInput>,
-    interpolate: bool,
+    pub(crate) stop: Option<f64>,
+    pub(crate) given: Vec<PortInput>,
+    pub(crate) interpolate: bool,
     /// Loads and prescribed motions that act in the scene, by port.
-    applied: Vec<Profile>,
+    pub(crate) applied: Vec<Profile>,
     /// True if the host set inputs that are not applied yet.
     pub(crate) stale: bool,
+    /// True if the host set derivatives of inputs for the next step.
+    pub(crate) extrapolates: bool,
+    /// True if the last step had such derivatives.
+    pub(crate) extrapolated: bool,
     /// True if inputs changed since the last step of the method.
-    changed: bool,
+    pub(crate) changed: bool,
     /// True if the discrete state is consistent with the continuous state.
-    begun: bool,
+    pub(crate) begun: bool,
     /// True if the integration method has run since the last reset.
-    ran: bool,
+    pub(crate) ran: bool,
 }
 
 /// Results that are stored for the present state, until state or inputs change.
@@ -105,16 +114,16 @@ pub(crate) struct CachedResults {
 
 /// A copy of the state of an instance, to which the host can return.
 pub struct Snapshot {
-    memory: Memory,
-    method: Box<dyn Integrator>,
+    pub(crate) memory: Memory,
+    pub(crate) method: Box<dyn Integrator>,
 }
 
 /// An instance of the FMU: scene, state, inputs and integration method.
 pub struct Instance {
     kind: Kind,
     pub(crate) coupled: Coupled,
-    scheme: Scheme,
-    events: bool,
+    pub(crate) scheme: Scheme,
+    pub(crate) events: bool,
     pub(crate) memory: Memory,
     method: Box<dyn Integrator>,
     pub(crate) known: CachedResults,
@@ -169,12 +178,11 @@ impl Instance {
         &self.coupled.interface
     }
 
-    /// Begins the initialisation at a time of the host, which becomes time zero of the scene; `stop` is the stop time
-    /// of the host.
+    /// Sets the start time of the host, which becomes time zero of the scene, and its stop time.
     ///
     /// # Errors
     /// The instance is initialised already, or the times are not finite or in the wrong order.
-    pub fn enter_initialisation(&mut self, time: f64, stop: Option<f64>) -> CallResult {
+    pub fn set_experiment(&mut self, time: f64, stop: Option<f64>) -> CallResult {
         if self.memory.phase != Phase::Instantiated {
             return fail("the instance is initialised already; reset it first");
         }
@@ -188,6 +196,17 @@ impl Instance {
         }
         self.memory.shift = time;
         self.memory.stop = stop;
+        Ok(())
+    }
+
+    /// Begins the initialisation.
+    ///
+    /// # Errors
+    /// The instance is initialised already.
+    pub fn enter_initialisation(&mut self) -> CallResult {
+        if self.memory.phase != Phase::Instantiated {
+            return fail("the instance is initialised already; reset it first");
+        }
         self.memory.phase = Phase::Initialising;
         Ok(())
     }
@@ -311,6 +330,46 @@ impl Instance {
         Ok(())
     }
 
+    /// Sets the first or second time derivative of an input at the start of the next communication step. It is valid in
+    /// that step alone.
+    ///
+    /// # Errors
+    /// The variable is no input, the order or the value is out of range, or inputs run to their `_end` values.
+    pub fn set_input_derivative(&mut self, reference: u32, order: i32, value: f64) -> CallResult {
+        if self.kind != Kind::CoSimulation {
+            return fail("derivatives of inputs belong to co-simulation");
+        }
+        let name = |x: &Self| {
+            x.coupled.interface.variables[reference as usize]
+                .name
+                .clone()
+        };
+        let Role::Input {
+            port,
+            quantity,
+            end: false,
+        } = self.role(reference)?
+        else {
+            return fail(format!("`{}` has no derivatives to be set", name(self)));
+        };
+        if self.memory.phase == Phase::Terminated {
+            return fail("the instance is terminated; reset it first");
+        }
+        if self.memory.interpolate {
+            return fail("`interpolate` is true: inputs run to the values that end in _end");
+        }
+        if !(order == 1 || order == 2) || !value.is_finite() {
+            return fail(format!(
+                "derivative {order} of `{}` is {value}; orders are 1 and 2, values are finite",
+                name(self)
+            ));
+        }
+        let input = &mut self.memory.given[port];
+        input.derivatives[order as usize - 1][index(quantity)] = value;
+        self.memory.extrapolates = true;
+        Ok(())
+    }
+
     /// The value of a Boolean variable.
     ///
     /// # Errors
@@ -366,9 +425,18 @@ impl Instance {
             ));
         }
         let to = self.in_scene(from + size);
+        // Inputs with derivatives in the step before are constant again in this one.
+        let extrapolated = self.memory.extrapolated;
+        self.memory.extrapolated = std::mem::take(&mut self.memory.extrapolates);
         match self.memory.interpolate {
             true => self.apply(|acts, given| piece(acts, given, [here, to])),
-            false if self.memory.stale => {
+            false if self.memory.extrapolated => {
+                self.apply(|acts, given| extrapolation(acts, given, [here, to]));
+                for input in &mut self.memory.given {
+                    input.derivatives = Default::default();
+                }
+            }
+            false if self.memory.stale || extrapolated => {
                 self.apply(|acts, given| constant_profile(acts, given, here))
             }
             false => {}
@@ -491,7 +559,11 @@ fn start(coupled: &Coupled) -> Memory {
                 InputQuantity::Load(_) => [0.0; 2],
                 InputQuantity::Motion => [0.0, port.speed],
             };
-            PortInput { now, end: now }
+            PortInput {
+                now,
+                end: now,
+                ..PortInput::default()
+            }
         })
         .collect();
     let ports = coupled.ports.iter().zip(&given);
@@ -506,6 +578,8 @@ fn start(coupled: &Coupled) -> Memory {
         given,
         interpolate: false,
         stale: false,
+        extrapolates: false,
+        extrapolated: false,
         changed: false,
         begun: false,
         ran: false,
@@ -514,11 +588,15 @@ fn start(coupled: &Coupled) -> Memory {
 
 /// The stored value of an input.
 fn place(given: &mut PortInput, quantity: Quantity, end: bool) -> &mut f64 {
-    let PortInput { now, end: last } = given;
-    let of = if end { last } else { now };
+    let of = if end { &mut given.end } else { &mut given.now };
+    &mut of[index(quantity)]
+}
+
+/// Index of a quantity in the values of its port.
+fn index(quantity: Quantity) -> usize {
     match quantity {
-        Quantity::Load | Quantity::Place => &mut of[0],
-        Quantity::Speed => &mut of[1],
+        Quantity::Load | Quantity::Place => 0,
+        Quantity::Speed => 1,
     }
 }
 
@@ -540,5 +618,27 @@ fn piece(acts: InputQuantity, given: &PortInput, times: [f64; 2]) -> Profile {
         InputQuantity::Load(_) if given.now[0] == given.end[0] => Profile::Constant(given.now[0]),
         InputQuantity::Load(_) => Profile::line(times, [given.now[0], given.end[0]]),
         InputQuantity::Motion => Profile::motion(times, given.now, given.end),
+    }
+}
+
+/// The profile of an input over a step, by its value and its derivatives at the start. A moved hub follows the cubic
+/// through the displacements and speeds at both ends.
+fn extrapolation(acts: InputQuantity, given: &PortInput, times: [f64; 2]) -> Profile {
+    let [first, second] = given.derivatives;
+    let [from, to] = times;
+    let h = to - from;
+    let end = |i: usize| given.now[i] + h * (first[i] + 0.5 * h * second[i]);
+    match acts {
+        InputQuantity::Load(_) if first[0] == 0.0 && second[0] == 0.0 => {
+            Profile::Constant(given.now[0])
+        }
+        InputQuantity::Load(_) => Profile::Polynomial {
+            from,
+            integral: [0.0, given.now[0], 0.5 * first[0], second[0] / 6.0],
+        },
+        InputQuantity::Motion if given.derivatives == [[0.0; 2]; 2] => {
+            constant_profile(acts, given, from)
+        }
+        InputQuantity::Motion => Profile::motion(times, given.now, [end(0), end(1)]),
     }
 }

@@ -11,6 +11,7 @@
 //! method goes along it in one step ([`Integrator::free_flight`](crate::Integrator::free_flight)). It is exact up to
 //! rounding, at both ends and inside.
 
+use crate::archive::{Archive, ArchiveError};
 use crate::method::Dense;
 use crate::modal::propagator::coefficients;
 use crate::system::{SecondOrderSystem, State};
@@ -133,6 +134,19 @@ impl QueryInterval {
         let over = self.skip == 0;
         self.skip = self.skip.saturating_sub(1);
         over
+    }
+
+    /// Traverses the interval.
+    pub(crate) fn archive(&mut self, archive: &mut Archive<'_>) -> Result<(), ArchiveError> {
+        for x in [&mut self.skip, &mut self.next] {
+            let mut word = u64::from(*x);
+            archive.whole(&mut word)?;
+            *x = u32::try_from(word)
+                .ok()
+                .filter(|x| *x <= MOST_SKIPPED)
+                .ok_or(ArchiveError::Value("interval"))?;
+        }
+        Ok(())
     }
 
     /// Lengthens the interval after an unsuccessful query and resets it after a successful one.

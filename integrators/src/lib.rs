@@ -96,6 +96,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+pub mod archive;
 mod bounds;
 pub mod clock;
 pub mod dense_solve;
@@ -117,13 +118,14 @@ pub mod stepped;
 pub mod system;
 pub mod table;
 
+pub use archive::{Archive, ArchiveError};
 pub use bounds::{Bound, integration_time};
 pub use equilibrium::{EquilibriumError, EquilibriumOptions, equilibrium};
 pub use error::StepError;
 pub use free_flight::FlightPath;
 pub use method::{
     AcceptedStep, Control, Dense, Integrator, MethodInfo, NullSink, OneStep, Parameter, Resolution,
-    Sink, Stepping, TimePlan, Work,
+    RestoreError, Sink, Stepping, TimePlan, Work,
 };
 pub use scheme::Scheme;
 pub use spec::{MethodError, MethodSpec};

@@ -4,6 +4,7 @@
 //! problem, so a pull-style `step()` would be self-referential. One-step methods implement [`OneStep`] and
 //! get the loop, step control and event location from [`crate::stepped::Stepped`].
 
+use crate::archive::{Archive, ArchiveError};
 use crate::error::StepError;
 use crate::system::{Change, Coeffs, SecondOrderSystem, Singular, State, StateView};
 use std::sync::atomic::AtomicBool;
@@ -266,6 +267,29 @@ pub trait Integrator {
 
     /// Returns a copy with all internal data: together with a copy of the state it restores a run.
     fn duplicate(&self) -> Box<dyn Integrator>;
+
+    /// Traverses all internal data: a method of the same kind that reads what this one wrote continues its run on a
+    /// system of the same kind. `resolution` is that of the run.
+    ///
+    /// # Errors
+    /// The bytes are not such data, or the method refuses the system.
+    fn archive(
+        &mut self,
+        sys: &mut dyn SecondOrderSystem,
+        resolution: Resolution,
+        archive: &mut Archive<'_>,
+    ) -> Result<(), RestoreError>;
+}
+
+/// Reason why a method cannot be restored from bytes.
+#[derive(Debug, thiserror::Error)]
+pub enum RestoreError {
+    /// The bytes are not those of the method.
+    #[error(transparent)]
+    Bytes(#[from] ArchiveError),
+    /// The method refuses the system.
+    #[error(transparent)]
+    Step(#[from] StepError),
 }
 
 /// A one-step method. A step never changes `from`, so that it may be repeated with another size.
@@ -292,6 +316,12 @@ pub trait OneStep {
         _work: &mut Work,
     ) {
     }
+
+    /// Traverses the data that the next step depends on. Before a traversal that reads, [`Self::begin`] was called.
+    ///
+    /// # Errors
+    /// The bytes are not the data of the method.
+    fn archive(&mut self, archive: &mut Archive<'_>) -> Result<(), ArchiveError>;
 
     /// Sizes buffers and evaluates the data of the first step; called at the start and after every restart.
     fn restart(&mut self, sys: &mut dyn SecondOrderSystem, s: &State, work: &mut Work);

@@ -90,6 +90,7 @@ pub fn table(data: &[u8]) {
     };
     let processed = Request {
         processing: Processing {
+            time_factor: Some(1.001),
             offset: -1e-4,
             zero: Some([0.0, 1e-3]),
             moving_average: Some(1e-5),

@@ -12,7 +12,9 @@ use gearbench::context::Context;
 use gearbench::experiment::runner::Runner;
 use gearbench::scene_file::calibration::{Constants, GAP};
 use gearbench::scene_file::{self, Selection};
-use gearbench::studies::identify::{CLOCK, DataSet, FitOptions, FitPlan, identify, modelled};
+use gearbench::studies::identify::{
+    CLOCK, Clock, DataSet, FitOptions, FitPlan, identify, modelled,
+};
 use gearbench_reference::reference;
 use gearbench_reports::identify::Outcome;
 use std::fmt::Write as _;
@@ -103,7 +105,7 @@ pub fn check(plan: &Plan, mut done: impl FnMut(usize)) -> Result<Vec<Row>, Valid
         data: vec![set.clone()],
         ..FitPlan::new(scene.clone(), &plan.model, &choice.modelling)
     };
-    let model = modelled(&fit, &set, &truth, 0.0).map_err(|e| other(&e))?;
+    let model = modelled(&fit, &set, &truth, Clock::default()).map_err(|e| other(&e))?;
     let residuals: Vec<f64> = model.iter().zip(measured).map(|(a, b)| b - a).collect();
     // The gap is the touch time, and so is the offset of the clock: one of them is known.
     let gap = truth.gap.unwrap_or_default();
@@ -115,7 +117,16 @@ pub fn check(plan: &Plan, mut done: impl FnMut(usize)) -> Result<Vec<Row>, Valid
     for number in 1..=plan.sets {
         let mut random = Random::of(plan.seed, number, 0);
         let clock = random.between(-OFFSET, OFFSET);
-        let shifted = modelled(&fit, &set, &truth, clock).map_err(|e| other(&e))?;
+        let shifted = modelled(
+            &fit,
+            &set,
+            &truth,
+            Clock {
+                offset: clock,
+                ..Clock::default()
+            },
+        )
+        .map_err(|e| other(&e))?;
         let force: Vec<f64> = (shifted.iter().zip(moving_average(&residuals, &mut random)))
             .map(|(a, b)| a + b)
             .collect();

@@ -16,7 +16,7 @@ struct Document {
     text: &'static str,
 }
 
-const DOCUMENTS: [Document; 4] = [
+const DOCUMENTS: [Document; 5] = [
     Document {
         name: "scene",
         title: "every key of scene files and check files, with an example",
@@ -37,6 +37,11 @@ const DOCUMENTS: [Document; 4] = [
         title: "inputs, outputs and accuracy of exported FMUs",
         text: include_str!("../../../docs/fmu.md"),
     },
+    Document {
+        name: "rexs",
+        title: "import and export of gearboxes by REXS",
+        text: include_str!("../../../docs/rexs.md"),
+    },
 ];
 
 /// Groups of commands by purpose, in the order of use: the commands that are no studies, in front of or behind the
@@ -48,12 +53,12 @@ const GROUPS: [(&str, &[&str], &[&str]); 5] = [
     (
         "Data, meshes and other programs",
         &["reference", "mesh", "reduce"],
-        &["fmu"],
+        &["fmu", "import", "export"],
     ),
     (
         "Keep and repeat",
         &[],
-        &["view", "report", "rerun", "completions"],
+        &["view", "report", "rerun", "completions", "man"],
     ),
 ];
 
@@ -70,7 +75,7 @@ fn groups() -> impl Iterator<Item = (&'static str, Vec<&'static str>)> {
 /// Arguments of `help`.
 #[derive(Args, Clone, Debug)]
 pub struct Help {
-    /// A command, or a document: scene, limits, data, fmus
+    /// A command, or a document: scene, limits, data, fmus, rexs
     #[arg(value_name = "TOPIC")]
     pub topic: Option<String>,
 }

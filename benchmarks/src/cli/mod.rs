@@ -24,11 +24,16 @@ use crate::context::Context;
 use crate::experiment::machine;
 use crate::fmu::{self, arguments::Fmu};
 use crate::messages::OutputForm;
+use crate::rexs::{
+    self,
+    arguments::{ExportArguments, ImportArguments},
+};
 use crate::studies::scan::{
     arguments::{Merge, Scan},
     merge,
 };
 use crate::tools::completions::{self, Completions};
+use crate::tools::man::{self, Man};
 use crate::tools::mesh::{self, arguments::Mesh};
 use crate::tools::reduce::{self, arguments::Reduce};
 use crate::tools::reference::{self, arguments::Reference};
@@ -132,11 +137,15 @@ pub(crate) enum Command {
     Reduce(Reduce),
     /// Run a model and store its results as a reference: a CSV file, and the lines that add it to the scene
     Reference(Reference),
-    /// Pack a model of a scene as an FMU (FMI 3.0) for co-simulation and model exchange
+    /// Pack a model of a scene as an FMU (FMI 3.0 or 2.0) for co-simulation and model exchange
     Fmu(Fmu),
+    /// Read a gearbox of REXS (.rexs, .rexsj, .rexsz) and write it as a scene
+    Import(ImportArguments),
+    /// Write a scene as REXS, with its mesh stiffness
+    Export(ExportArguments),
     /// List shipped scenes, gear models with their parameters, integrators, references and the contents of the cache
     List(List),
-    /// Print help on a command, or a document: scene, limits, data, fmus
+    /// Print help on a command, or a document: scene, limits, data, fmus, rexs
     Help(Help),
     /// Rewrite the report of a results folder
     Report(Report),
@@ -148,6 +157,8 @@ pub(crate) enum Command {
     Rerun(Rerun),
     /// Print a script that completes commands and options in a shell
     Completions(Completions),
+    /// Print the manual page, or write those of all commands
+    Man(Man),
 }
 
 impl Command {
@@ -160,6 +171,8 @@ impl Command {
             Command::Reduce(args) => reduce::run(context, &args),
             Command::Reference(args) => reference::run(context, &args, told),
             Command::Fmu(args) => fmu::command::run(context, &args),
+            Command::Import(args) => rexs::command::import(context, &args),
+            Command::Export(args) => rexs::command::export(context, &args),
             Command::List(args) => list::run(context, &args),
             Command::Help(args) => help::run(context, &args),
             Command::Report(args) => report::run(context, &args),
@@ -167,6 +180,7 @@ impl Command {
             Command::Merge(args) => merge::run(context, &args),
             Command::Rerun(args) => again(context, &args),
             Command::Completions(args) => completions::run(context, &args),
+            Command::Man(args) => man::run(context, &args),
         }
     }
 }
@@ -283,7 +297,7 @@ pub struct StudyDescription {
 }
 
 /// Commands besides the studies that a program runs by [`study`]: they write files, and return what they have found.
-const FILE_COMMANDS: [&str; 4] = ["reduce", "mesh", "reference", "fmu"];
+const FILE_COMMANDS: [&str; 6] = ["reduce", "mesh", "reference", "fmu", "import", "export"];
 
 /// Returns the descriptions of all studies, and of the commands that write files of gears and models.
 #[must_use]
@@ -363,7 +377,9 @@ pub fn study(mut context: Context, words: &[String]) -> Result<CommandResult, Re
             | Command::Reduce(_)
             | Command::Mesh(_)
             | Command::Reference(_)
-            | Command::Fmu(_)),
+            | Command::Fmu(_)
+            | Command::Import(_)
+            | Command::Export(_)),
         ) => command,
         _ => return Err(Refusal::Input(miette::miette!("`{line}` is no study"))),
     };

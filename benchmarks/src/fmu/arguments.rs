@@ -8,10 +8,11 @@ Examples:
   gearbench fmu loaded_mesh                               loaded_mesh.fmu: torques on both hubs are inputs
   gearbench fmu hammer --model rigid --method rk4@1us --out hammer.fmu
   gearbench fmu loaded_mesh --move pinion                 the host prescribes the motion of the pinion
+  gearbench fmu loaded_mesh --fmi 2                       for hosts that read FMI 2.0 only
 
-The FMU supports co-simulation and model exchange under FMI 3.0. The command needs the shared library of gearbench-fmu
-and searches for it in the folder of this program and in ../lib. In a checkout of gearbench,
-`cargo build --release -p gearbench-fmu` builds it. `gearbench help fmus` describes inputs, outputs and accuracy.";
+The FMU supports co-simulation and model exchange. It contains the shared library of gearbench-fmu, which is searched for in
+the folder of this program and in ../lib; a program that was built in a checkout of gearbench builds it there if it is
+missing or old. `gearbench help fmus` describes inputs, outputs and accuracy.";
 
 /// Arguments of `fmu`.
 #[derive(Args, Clone, Debug)]
@@ -29,7 +30,11 @@ pub struct Fmu {
     /// Gears whose hub motion the host prescribes, separated by commas
     #[arg(long = "move", value_name = "GEAR,..", value_delimiter = ',')]
     pub moved: Vec<String>,
-    /// Shared library of gearbench-fmu [default: the one in the folder of this program, or in ../lib]
+    /// Version of the standard FMI: 2 or 3
+    #[arg(long, value_name = "VERSION", default_value_t = 3, value_parser = clap::value_parser!(u32).range(2..=3))]
+    pub fmi: u32,
+    /// Shared library of gearbench-fmu [default: the one in the folder of this program, in ../lib, or built in the
+    /// checkout of gearbench]
     #[arg(long, value_name = "FILE")]
     pub library: Option<PathBuf>,
     /// File to write [default: SCENE.fmu]

@@ -1,7 +1,9 @@
 //! The command `gearbench fmu SCENE`, which packs a model of a scene as an FMU.
 
 use super::arguments::Fmu;
+use super::description::FmiVersion;
 use super::interface::{Interface, Role};
+use super::library;
 use super::package::Package;
 use super::settings::SETTINGS;
 use crate::cli::command_result::CommandResult;
@@ -12,9 +14,8 @@ use crate::experiment::run::RunError;
 use crate::fmu::coupled::Coupled;
 use crate::scene_file::{self, ModelChoice, SceneError, SceneFile, Selection};
 use gearbench_integrators::{Scheme, SecondOrderSystem};
-use std::path::{Path, PathBuf};
 
-fn bad(why: impl Into<String>, help: impl Into<String>) -> Refusal {
+pub(super) fn bad(why: impl Into<String>, help: impl Into<String>) -> Refusal {
     SceneError::plain(why, help).into()
 }
 
@@ -27,7 +28,7 @@ pub fn run(context: &Context, args: &Fmu) -> Result<CommandResult, Refusal> {
     let path = (args.out.clone()).unwrap_or_else(|| format!("{}.fmu", scene.name).into());
     let mut inputs = scene.inputs();
     inputs.extend(args.library.clone());
-    inputs.extend(places(&library_name()));
+    inputs.extend(library::places());
     let overwriting = ReplaceableFiles {
         inputs: &inputs,
         // Names of files stand in an archive as they are.
@@ -36,15 +37,18 @@ pub fn run(context: &Context, args: &Fmu) -> Result<CommandResult, Refusal> {
     };
     overwriting.check(&path)?;
     let scheme = scheme(args, &scene, choice)?;
-    let library = library(args)?;
     let mut coupled = Coupled::assemble(&scene, choice, &args.moved)?;
     if scheme.method.info().linear_part && coupled.scene.modal().is_none() {
         let (id, spec) = (scheme.method.id(), scene.spec_for(choice));
         let refused = RunError::no_linear_part(id, &coupled.scene, &spec);
         return Err(refuse_run(refused));
     }
-    let mut package = Package::of(&scene, choice, scheme, &args.moved)?;
-    package.add_library(library);
+    let version = match args.fmi {
+        2 => FmiVersion::Two,
+        _ => FmiVersion::Three,
+    };
+    let mut package = Package::of(&scene, choice, scheme, &args.moved, version)?;
+    package.add_library(library::read(context, args.library.as_deref())?);
     let fail = |e: std::io::Error| Refusal::Files(format!("{}: {e}", path.display()));
     let archive = package.archive().map_err(fail)?;
     write_whole(&path, archive).map_err(fail)?;
@@ -54,7 +58,7 @@ pub fn run(context: &Context, args: &Fmu) -> Result<CommandResult, Refusal> {
         .print_line(&format!("written: {}", path.display()));
     context
         .messages
-        .print_line(&summary_line(&coupled.interface));
+        .print_line(&summary_line(&coupled.interface, version));
     Ok(CommandResult::done().with("written", path))
 }
 
@@ -88,59 +92,8 @@ fn scheme(args: &Fmu, scene: &SceneFile, choice: &ModelChoice) -> Result<Scheme,
     }
 }
 
-/// Name of the shared library on this system.
-fn library_name() -> String {
-    use std::env::consts::{DLL_PREFIX, DLL_SUFFIX};
-    format!("{DLL_PREFIX}gearbench_fmu{DLL_SUFFIX}")
-}
-
-/// Reads the shared library from its path, from the folder of this program or from `../lib`.
-fn library(args: &Fmu) -> Result<Vec<u8>, Refusal> {
-    let name = library_name();
-    let build = format!(
-        "`{name}` is part of gearbench: put it into the folder of this program, or name it with --library; in a checkout of \
-         gearbench `cargo build --release -p gearbench-fmu` makes target/release/{name}"
-    );
-    let path = match &args.library {
-        Some(path) => path.clone(),
-        None => {
-            let places = places(&name);
-            let found = places.iter().find(|path| path.is_file());
-            let shown: Vec<String> = places.iter().map(|p| p.display().to_string()).collect();
-            let missing = format!(
-                "an FMU needs the shared library `{name}`, which is neither {}",
-                shown.join(" nor ")
-            );
-            found.cloned().ok_or_else(|| bad(missing, build.clone()))?
-        }
-    };
-    std::fs::read(&path).map_err(|e| {
-        bad(
-            format!(
-                "the shared library of gearbench-fmu, {}: {e}",
-                path.display()
-            ),
-            build,
-        )
-    })
-}
-
-/// Paths at which the library of an installed program may be.
-fn places(name: &str) -> Vec<PathBuf> {
-    let program = std::env::current_exe().ok();
-    let folder = program.as_deref().and_then(Path::parent);
-    folder.map_or_else(Vec::new, |folder| {
-        let lib = folder.parent().map(|p| p.join("lib").join(name));
-        [Some(folder.join(name)), lib]
-            .into_iter()
-            .flatten()
-            .collect()
-    })
-}
-
-/// Describes an interface in one line: number of inputs, outputs and continuous states, and the kinds of FMI that it
-/// supports.
-fn summary_line(all: &Interface) -> String {
+/// Describes an interface in one line: number of inputs, outputs and continuous states, version and kinds of FMI.
+fn summary_line(all: &Interface, version: FmiVersion) -> String {
     let count = |of: &dyn Fn(&Role) -> bool| {
         let roles = all.variables.iter().map(|v| v.role);
         roles.filter(of).count()
@@ -157,5 +110,6 @@ fn summary_line(all: &Interface) -> String {
             all.states
         ),
     };
-    format!("{inputs} inputs, {outputs} outputs; {serves}")
+    let version = version.text();
+    format!("{inputs} inputs, {outputs} outputs; FMI {version}: {serves}")
 }

@@ -1,4 +1,7 @@
-//! The model description of an FMU, `modelDescription.xml` of FMI 3.0.1.
+//! The model description of an FMU, `modelDescription.xml` of FMI 3.0 or FMI 2.0.
+//!
+//! Both list the same variables in the same order, with their index as value reference. FMI 2 has no event indicators among
+//! the variables, only their number; they are the last of the list.
 
 use super::interface::{Interface, Role, Variable};
 use gearbench_integrators::{Resolution, Scheme};
@@ -16,9 +19,30 @@ const UNITS: [(&str, [i32; 4]); 7] = [
     ("N.m", [1, 2, -2, 0]),
 ];
 
+/// Version of the standard that an FMU follows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FmiVersion {
+    /// FMI 2.0.
+    Two,
+    /// FMI 3.0.
+    Three,
+}
+
+impl FmiVersion {
+    /// The version as in a model description.
+    pub fn text(self) -> &'static str {
+        match self {
+            FmiVersion::Two => "2.0",
+            FmiVersion::Three => "3.0",
+        }
+    }
+}
+
 /// Data of the model description that are not variables: names, token, method, default experiment.
 #[derive(Clone, Copy, Debug)]
 pub struct DescriptionHeader<'a> {
+    /// Version of the standard.
+    pub version: FmiVersion,
     /// Name of the shared library in the FMU.
     pub identifier: &'a str,
     /// Name of the scene.
@@ -47,38 +71,14 @@ fn default_step(head: &DescriptionHeader<'_>) -> f64 {
 /// The text of the model description.
 pub fn text(head: &DescriptionHeader<'_>, all: &Interface) -> String {
     let mut out = String::from("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n");
-    let DescriptionHeader {
-        identifier, token, ..
-    } = head;
-    let [name, title] = [head.name, head.title].map(xml);
-    let version = env!("CARGO_PKG_VERSION");
-    let step = match head.scheme.resolution {
-        Resolution::Step(h) => format!(" fixedInternalStepSize=\"{h:e}\""),
-        Resolution::Tolerance(_) => String::new(),
-    };
-    // Writing to a string does not fail.
-    let _ = writeln!(
-        out,
-        "<fmiModelDescription fmiVersion=\"3.0\" modelName=\"{name}\" description=\"{title}\" \
-         instantiationToken=\"{token}\" generationTool=\"gearbench {version}\" variableNamingConvention=\"flat\">"
-    );
-    if all.exchanges {
-        let _ = writeln!(
-            out,
-            "  <ModelExchange modelIdentifier=\"{identifier}\" canGetAndSetFMUState=\"true\" needsCompletedIntegratorStep=\"true\"/>"
-        );
-    }
-    let _ = writeln!(
-        out,
-        "  <CoSimulation modelIdentifier=\"{identifier}\" canGetAndSetFMUState=\"true\" \
-         canHandleVariableCommunicationStepSize=\"true\"{step} maxOutputDerivativeOrder=\"2\"/>"
-    );
+    root(&mut out, head, all);
     out.push_str("  <UnitDefinitions>\n");
     for (unit, powers) in UNITS {
         let powers = ["kg", "m", "s", "rad"].iter().zip(powers);
         let powers = powers.filter(|(_, p)| *p != 0);
         let powers: Vec<String> = powers.map(|(n, p)| format!("{n}=\"{p}\"")).collect();
         let powers = powers.join(" ");
+        // Writing to a string does not fail.
         let _ = writeln!(out, "    <Unit name=\"{unit}\"><BaseUnit {powers}/></Unit>");
     }
     let _ = write!(
@@ -89,76 +89,154 @@ pub fn text(head: &DescriptionHeader<'_>, all: &Interface) -> String {
         default_step(head)
     );
     for (reference, variable) in all.variables.iter().enumerate() {
-        out.push_str(&element(reference, variable, all));
+        if head.version == FmiVersion::Two && matches!(variable.role, Role::EventFunction(_)) {
+            continue;
+        }
+        out.push_str(&element(head.version, reference, variable, all));
     }
     out.push_str("  </ModelVariables>\n  <ModelStructure>\n");
-    let outputs = |role: Role| matches!(role, Role::Output(_));
-    let derivatives = |role: Role| matches!(role, Role::Derivative(_));
-    list(&mut out, "Output", all, outputs);
-    list(&mut out, "ContinuousStateDerivative", all, derivatives);
-    list(&mut out, "InitialUnknown", all, |role| {
-        outputs(role) || derivatives(role)
-    });
-    list(&mut out, "EventIndicator", all, |role| {
-        matches!(role, Role::EventFunction(_))
-    });
+    structure(&mut out, head.version, all);
     out.push_str("  </ModelStructure>\n</fmiModelDescription>\n");
     out
 }
 
-/// Writes one element for every variable of a kind.
-fn list(out: &mut String, element: &str, all: &Interface, of: impl Fn(Role) -> bool) {
-    let roles = all.variables.iter().map(|v| v.role).enumerate();
-    for (reference, _) in roles.filter(|(_, role)| of(*role)) {
-        let _ = writeln!(out, "    <{element} valueReference=\"{reference}\"/>");
+/// Writes the root element and the kinds of FMI that the FMU supports.
+fn root(out: &mut String, head: &DescriptionHeader<'_>, all: &Interface) {
+    let DescriptionHeader {
+        identifier, token, ..
+    } = head;
+    let [name, title] = [head.name, head.title].map(xml);
+    let program = format!("gearbench {}", env!("CARGO_PKG_VERSION"));
+    let version = head.version.text();
+    let state = match head.version {
+        FmiVersion::Two => "FMUstate",
+        FmiVersion::Three => "FMUState",
+    };
+    let (token, indicators) = match head.version {
+        FmiVersion::Two if all.exchanges => (
+            format!("guid=\"{token}\""),
+            format!(" numberOfEventIndicators=\"{}\"", all.event_functions),
+        ),
+        FmiVersion::Two => (format!("guid=\"{token}\""), String::new()),
+        FmiVersion::Three => (format!("instantiationToken=\"{token}\""), String::new()),
+    };
+    let copies = format!("canGetAndSet{state}=\"true\" canSerialize{state}=\"true\"");
+    let step = match (head.version, head.scheme.resolution) {
+        (FmiVersion::Two, _) => " canInterpolateInputs=\"true\"".to_owned(),
+        (_, Resolution::Step(h)) => format!(" fixedInternalStepSize=\"{h:e}\""),
+        (_, Resolution::Tolerance(_)) => String::new(),
+    };
+    let completed = match head.version {
+        FmiVersion::Two => "",
+        FmiVersion::Three => " needsCompletedIntegratorStep=\"true\"",
+    };
+    let _ = writeln!(
+        out,
+        "<fmiModelDescription fmiVersion=\"{version}\" modelName=\"{name}\" description=\"{title}\" {token} \
+         generationTool=\"{program}\" variableNamingConvention=\"flat\"{indicators}>"
+    );
+    if all.exchanges {
+        let _ = writeln!(
+            out,
+            "  <ModelExchange modelIdentifier=\"{identifier}\" {copies}{completed}/>"
+        );
+    }
+    let _ = writeln!(
+        out,
+        "  <CoSimulation modelIdentifier=\"{identifier}\" {copies} \
+         canHandleVariableCommunicationStepSize=\"true\"{step} maxOutputDerivativeOrder=\"2\"/>"
+    );
+}
+
+/// Writes the lists of outputs, derivatives, unknowns of the initialisation and event indicators.
+fn structure(out: &mut String, version: FmiVersion, all: &Interface) {
+    let outputs = |role: Role| matches!(role, Role::Output(_));
+    let derivatives = |role: Role| matches!(role, Role::Derivative(_));
+    let unknowns = |role: Role| outputs(role) || derivatives(role);
+    let indicators = |role: Role| matches!(role, Role::EventFunction(_));
+    let kinds: [(&str, &str, &dyn Fn(Role) -> bool); 4] = [
+        ("Output", "Outputs", &outputs),
+        ("ContinuousStateDerivative", "Derivatives", &derivatives),
+        ("InitialUnknown", "InitialUnknowns", &unknowns),
+        ("EventIndicator", "", &indicators),
+    ];
+    for (three, two, of) in kinds {
+        let roles = all.variables.iter().map(|v| v.role).enumerate();
+        let found: Vec<usize> = roles
+            .filter(|(_, role)| of(*role))
+            .map(|(i, _)| i)
+            .collect();
+        match version {
+            FmiVersion::Three => {
+                for reference in found {
+                    let _ = writeln!(out, "    <{three} valueReference=\"{reference}\"/>");
+                }
+            }
+            FmiVersion::Two if !two.is_empty() && !found.is_empty() => {
+                let _ = writeln!(out, "    <{two}>");
+                for reference in found {
+                    // Indices begin with one.
+                    let _ = writeln!(out, "      <Unknown index=\"{}\"/>", reference + 1);
+                }
+                let _ = writeln!(out, "    </{two}>");
+            }
+            FmiVersion::Two => {}
+        }
     }
 }
 
 /// The XML element of a variable.
-fn element(reference: usize, v: &Variable, all: &Interface) -> String {
+fn element(version: FmiVersion, reference: usize, v: &Variable, all: &Interface) -> String {
     let state_of = |i: usize| {
         let mut roles = all.variables.iter().map(|v| v.role);
         roles.position(|role| role == Role::State(i)).unwrap_or(0)
     };
-    let kind = match v.role {
-        Role::Interpolate => "Boolean",
-        _ => "Float64",
+    let (causality, variability, initial) = match v.role {
+        Role::Time => ("independent", "continuous", ""),
+        Role::Interpolate => ("parameter", "fixed", ""),
+        Role::Input { .. } => ("input", "continuous", ""),
+        Role::Output(_) => ("output", "continuous", "calculated"),
+        Role::State(_) => ("local", "continuous", "exact"),
+        Role::Derivative(_) | Role::EventFunction(_) => ("local", "continuous", "calculated"),
     };
-    let role = match v.role {
-        Role::Time => "causality=\"independent\" variability=\"continuous\"".to_owned(),
-        Role::Interpolate => "causality=\"parameter\" variability=\"fixed\"".to_owned(),
-        Role::Input { .. } => "causality=\"input\" variability=\"continuous\"".to_owned(),
-        Role::Output(_) => {
-            "causality=\"output\" variability=\"continuous\" initial=\"calculated\"".to_owned()
-        }
-        Role::State(_) => {
-            "causality=\"local\" variability=\"continuous\" initial=\"exact\"".to_owned()
-        }
-        Role::Derivative(i) => format!(
-            "causality=\"local\" variability=\"continuous\" initial=\"calculated\" derivative=\"{}\"",
-            state_of(i)
-        ),
-        Role::EventFunction(_) => {
-            "causality=\"local\" variability=\"continuous\" initial=\"calculated\"".to_owned()
-        }
+    let attribute = |name: &str, value: &str| match value {
+        "" => String::new(),
+        value => format!(" {name}=\"{}\"", xml(value)),
     };
-    let mut out = format!(
-        "    <{kind} name=\"{}\" valueReference=\"{reference}\" {role}",
-        xml(&v.name)
-    );
-    if !v.description.is_empty() {
-        let _ = write!(out, " description=\"{}\"", xml(&v.description));
-    }
-    if !v.unit.is_empty() {
-        let _ = write!(out, " unit=\"{}\"", v.unit);
-    }
-    match (v.role, v.start) {
-        (Role::Interpolate, Some(_)) => out.push_str(" start=\"false\""),
-        (_, Some(start)) => {
-            let _ = write!(out, " start=\"{start:e}\"");
+    let start = match (v.role, v.start) {
+        (Role::Interpolate, Some(_)) => "false".to_owned(),
+        (_, Some(start)) => format!("{start:e}"),
+        _ => String::new(),
+    };
+    let of = match (v.role, version) {
+        (Role::Derivative(i), FmiVersion::Two) => (state_of(i) + 1).to_string(),
+        (Role::Derivative(i), FmiVersion::Three) => state_of(i).to_string(),
+        _ => String::new(),
+    };
+    let general = [
+        attribute("name", &v.name),
+        attribute("valueReference", &reference.to_string()),
+        attribute("causality", causality),
+        attribute("variability", variability),
+        attribute("initial", initial),
+        attribute("description", &v.description),
+    ]
+    .concat();
+    let own = [
+        attribute("unit", v.unit),
+        attribute("derivative", &of),
+        attribute("start", &start),
+    ]
+    .concat();
+    let boolean = v.role == Role::Interpolate;
+    match version {
+        FmiVersion::Two => {
+            let kind = if boolean { "Boolean" } else { "Real" };
+            format!("    <ScalarVariable{general}><{kind}{own}/></ScalarVariable>\n")
         }
-        _ => {}
+        FmiVersion::Three => {
+            let kind = if boolean { "Boolean" } else { "Float64" };
+            format!("    <{kind}{general}{own}/>\n")
+        }
     }
-    out.push_str("/>\n");
-    out
 }

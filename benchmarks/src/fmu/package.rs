@@ -1,7 +1,7 @@
 //! Contents and archive of an FMU.
 
 use super::coupled::Coupled;
-use super::description::{self, DescriptionHeader};
+use super::description::{self, DescriptionHeader, FmiVersion};
 use super::settings::{CALIBRATION, SCENE, SETTINGS, Settings};
 use crate::experiment::key::files;
 use crate::scene_file::{Calibration, ModelChoice, Origin, SceneError, SceneFile};
@@ -36,6 +36,8 @@ impl Entry {
 pub struct Package {
     /// Name of the shared library in the FMU.
     pub identifier: String,
+    /// Version of the standard.
+    pub version: FmiVersion,
     /// Instantiation token, which hosts return to the library.
     pub token: String,
     /// The model description and the resources.
@@ -52,6 +54,7 @@ impl Package {
         choice: &ModelChoice,
         scheme: Scheme,
         moved: &[String],
+        version: FmiVersion,
     ) -> Result<Self, SceneError> {
         let coupled = Coupled::assemble(file, choice, moved)?;
         let settings = Settings {
@@ -69,6 +72,7 @@ impl Package {
         let token = Settings::token(&settings, &scene);
         let identifier = identifier(&file.name);
         let head = DescriptionHeader {
+            version,
             identifier: &identifier,
             name: &file.name,
             title: &file.title,
@@ -87,6 +91,7 @@ impl Package {
         entries.extend(read_files(file, choice)?);
         Ok(Package {
             identifier,
+            version,
             token,
             entries,
         })
@@ -95,7 +100,11 @@ impl Package {
     /// Adds the shared library for the platform of this program.
     pub fn add_library(&mut self, bytes: Vec<u8>) {
         let end = std::env::consts::DLL_EXTENSION;
-        let path = format!("binaries/{}/{}.{end}", platform(), self.identifier);
+        let path = format!(
+            "binaries/{}/{}.{end}",
+            platform(self.version),
+            self.identifier
+        );
         self.entries.push(Entry::new(path, bytes));
     }
 
@@ -137,13 +146,21 @@ impl Package {
     }
 }
 
-/// The name of this platform in FMI 3.0.
-pub fn platform() -> String {
-    let system = match std::env::consts::OS {
-        "macos" => "darwin",
-        other => other,
-    };
-    format!("{}-{system}", std::env::consts::ARCH)
+/// The name of this platform in a version of the standard.
+pub fn platform(version: FmiVersion) -> String {
+    let (machine, system) = (std::env::consts::ARCH, std::env::consts::OS);
+    match version {
+        FmiVersion::Three if system == "macos" => format!("{machine}-darwin"),
+        FmiVersion::Three => format!("{machine}-{system}"),
+        FmiVersion::Two => {
+            let system = match system {
+                "windows" => "win",
+                "macos" => "darwin",
+                other => other,
+            };
+            format!("{system}{}", usize::BITS)
+        }
+    }
 }
 
 /// Converts the name of a scene to an identifier in C.

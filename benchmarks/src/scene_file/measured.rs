@@ -52,6 +52,8 @@ keys! {
         /// factor on all values, for example -1.0 for an instrument that counts the other way, default 1
         #[serde(default = "one", skip_serializing_if = "is_one")]
         factor: f64,
+        /// factor on all times, before the offset, for a recorder whose clock runs fast or slow, default 1
+        time_factor: Option<Positive>,
         /// added to all times in seconds, default 0; the scene begins at 0
         #[serde(default, skip_serializing_if = "is_default")]
         offset_s: f64,
@@ -234,6 +236,7 @@ impl MeasuredTable {
             delimiter: self.delimiter.map(DelimiterWord::delimiter),
             decimal_comma: self.decimal.map(|d| d == DecimalWord::Comma),
             processing: Processing {
+                time_factor: self.time_factor.map(f64::from),
                 offset: self.offset_s,
                 zero: self.zero_over_s,
                 moving_average: self.moving_average_s.map(f64::from),

@@ -3,6 +3,7 @@
 pub mod completions;
 pub mod init;
 pub mod list;
+pub mod man;
 pub mod mesh;
 pub mod reduce;
 pub mod reference;

@@ -1,14 +1,15 @@
-//! The C functions of FMI 3.0, as declared in `fmi3Functions.h`. All 75 exist, as hosts look up each of them.
+//! The C functions of FMI 3.0 and FMI 2.0, as declared in `fmi3Functions.h` (75) and `fmi2Functions.h` (44). All exist, as
+//! hosts look up each of them. Both are facades over one [`Instance`].
 //!
 //! | module | owns |
 //! |---|---|
-//! | `common` | instances, co-simulation, variables, copies of the state |
-//! | `exchange` | model exchange |
-//! | `unsupported` | functions for missing features: other types, clocks, serialisation, partial derivatives |
+//! | `fmi2`, `fmi3` | names, arguments and types of the two standards |
+//! | `values` | accessors that both standards share: variables, continuous states, derivatives of outputs |
+//! | `states` | copies of the state as objects and as bytes |
 //!
 //! Every function trusts the pointers of its host, as C does, checks them for null, and catches panics.
 
-// Names and arguments are those of the standard.
+// Names and arguments are those of the standards.
 #![allow(
     non_snake_case,
     missing_docs,
@@ -16,24 +17,34 @@
     clippy::too_many_arguments
 )]
 
-pub mod common;
-pub mod exchange;
-pub mod unsupported;
+pub mod fmi2;
+pub mod fmi3;
+mod states;
+mod values;
 
-use crate::instance::{CallResult, Failure, Instance};
+use crate::instance::{CallResult, Failure, Instance, Kind};
 use std::ffi::{CStr, CString, c_char, c_int, c_void};
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::Path;
+use std::ptr::null_mut;
 
-/// Return code of FMI functions, `fmi3Status`.
+/// Return code of FMI functions, `fmi3Status` and `fmi2Status`.
 pub type Status = c_int;
 pub const OK: Status = 0;
+/// FMI 2 alone: the requested information does not exist.
+pub const DISCARD: Status = 2;
 pub const ERROR: Status = 3;
 pub const FATAL: Status = 4;
 
 /// Callback for messages to the host, `fmi3LogMessageCallback`.
 pub type Log = Option<unsafe extern "C" fn(*mut c_void, Status, *const c_char, *const c_char)>;
 
-/// The object behind the pointer `fmi3Instance`.
+/// Callback for messages to the host of FMI 2, `fmi2CallbackLogger`. The message is a format of `printf`.
+pub type Log2 = Option<
+    unsafe extern "C" fn(*mut c_void, *const c_char, Status, *const c_char, *const c_char, ...),
+>;
+
+/// The object behind the pointers `fmi3Instance` and `fmi2Component`.
 pub(crate) struct Handle {
     instance: Instance,
     name: String,
@@ -44,23 +55,47 @@ pub(crate) struct Handle {
 #[derive(Clone, Copy)]
 pub(crate) struct Logger {
     environment: *mut c_void,
-    log: Log,
+    log: Callback,
+}
+
+/// The logging function of either standard.
+#[derive(Clone, Copy)]
+pub(crate) enum Callback {
+    Fmi2(Log2),
+    Fmi3(Log),
+}
+
+/// Category of all messages, as the model description lists it.
+const CATEGORY: &CStr = c"logStatusError";
+
+/// Converts a text to C; its zeros become spaces.
+fn c_text(text: &str) -> CString {
+    CString::new(text.replace('\0', " ")).unwrap_or_default()
 }
 
 impl Logger {
-    fn log(self, status: Status, message: &str) {
-        let Some(log) = self.log else { return };
-        let text: String = message.replace('\0', " ");
-        if let Ok(text) = CString::new(text) {
-            // SAFETY: the host gave the function and the environment for it, and both texts end with a zero.
-            unsafe {
-                log(
-                    self.environment,
-                    status,
-                    c"logStatusError".as_ptr(),
-                    text.as_ptr(),
-                );
+    fn log(self, name: &str, status: Status, message: &str) {
+        // SAFETY: the host gave the function and the environment for it, and all texts end with a zero.
+        match self.log {
+            Callback::Fmi3(Some(log)) => {
+                let text = c_text(&format!("{name}: {message}"));
+                unsafe { log(self.environment, status, CATEGORY.as_ptr(), text.as_ptr()) }
             }
+            Callback::Fmi2(Some(log)) => {
+                // A percent sign of the message is not one of the format.
+                let (name, text) = (c_text(name), c_text(&message.replace('%', "%%")));
+                let environment = self.environment;
+                unsafe {
+                    log(
+                        environment,
+                        name.as_ptr(),
+                        status,
+                        CATEGORY.as_ptr(),
+                        text.as_ptr(),
+                    );
+                }
+            }
+            Callback::Fmi2(None) | Callback::Fmi3(None) => {}
         }
     }
 }
@@ -74,10 +109,39 @@ fn caught<T>(act: impl FnOnce() -> T) -> Result<T, String> {
     })
 }
 
+/// Opens an instance from the folder of its resources; null if that fails, with a message to the host.
+fn open(kind: Kind, name: String, token: &str, resources: &Path, logger: Logger) -> *mut c_void {
+    let opened = caught(|| Instance::open(kind, resources, token).map_err(|e| e.to_string()));
+    match opened {
+        Ok(Ok(instance)) => Box::into_raw(Box::new(Handle {
+            instance,
+            name,
+            logger,
+        }))
+        .cast(),
+        Ok(Err(why)) | Err(why) => {
+            logger.log(&name, ERROR, &why);
+            null_mut()
+        }
+    }
+}
+
+/// Frees an instance.
+///
+/// # Safety
+/// `instance` is null, or was returned by [`open`] and is not freed.
+unsafe fn free(instance: *mut c_void) {
+    if !instance.is_null() {
+        // SAFETY: see above.
+        let handle = unsafe { Box::from_raw(instance.cast::<Handle>()) };
+        let _ = caught(|| drop(handle));
+    }
+}
+
 /// Calls a function on an instance and logs its failure.
 ///
 /// # Safety
-/// `instance` is null, or was returned by an instantiating function, is not freed and not in use elsewhere.
+/// `instance` is null, or was returned by [`open`], is not freed and not in use elsewhere.
 unsafe fn with(
     instance: *mut c_void,
     function: &str,
@@ -92,10 +156,7 @@ unsafe fn with(
         Ok(Err(Failure(why))) => (ERROR, why),
         Err(why) => (FATAL, why),
     };
-    let name = &handle.name;
-    handle
-        .logger
-        .log(status, &format!("{name}: {function}: {why}"));
+    (handle.logger).log(&handle.name, status, &format!("{function}: {why}"));
     status
 }
 
@@ -155,5 +216,13 @@ fn paired(references: usize, values: usize) -> CallResult {
         false => Err(Failure(format!(
             "{references} references, but {values} values"
         ))),
+    }
+}
+
+/// Succeeds for zero variables; otherwise fails, as no variable of the type exists.
+fn none(count: usize, what: &str) -> CallResult {
+    match count {
+        0 => Ok(()),
+        _ => Err(Failure(format!("there are no variables of type {what}"))),
     }
 }

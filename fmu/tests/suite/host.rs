@@ -54,6 +54,14 @@ unsafe extern "C" {
     fn fmi3GetFMUState(i: *mut c_void, state: *mut *mut c_void) -> c_int;
     fn fmi3SetFMUState(i: *mut c_void, state: *mut c_void) -> c_int;
     fn fmi3FreeFMUState(i: *mut c_void, state: *mut *mut c_void) -> c_int;
+    fn fmi3SerializedFMUStateSize(i: *mut c_void, state: *mut c_void, n: *mut usize) -> c_int;
+    fn fmi3SerializeFMUState(i: *mut c_void, state: *mut c_void, b: *mut u8, n: usize) -> c_int;
+    fn fmi3DeserializeFMUState(
+        i: *mut c_void,
+        b: *const u8,
+        n: usize,
+        state: *mut *mut c_void,
+    ) -> c_int;
     fn fmi3DoStep(
         instance: *mut c_void,
         from: f64,
@@ -163,7 +171,7 @@ pub fn version() -> String {
 }
 
 /// The value of an attribute.
-fn attribute<'a>(text: &'a str, name: &str) -> Option<&'a str> {
+pub fn attribute<'a>(text: &'a str, name: &str) -> Option<&'a str> {
     let after = text.split_once(&format!(" {name}=\""))?.1;
     Some(after.split_once('"')?.0)
 }
@@ -389,6 +397,26 @@ impl Fmu {
 
     pub fn go_back(&self, kept: &SavedState<'_>) {
         self.ok(unsafe { fmi3SetFMUState(self.instance, kept.1) });
+    }
+
+    /// A copy of the state as bytes.
+    pub fn store(&self, kept: &SavedState<'_>) -> Vec<u8> {
+        let mut n = 0;
+        self.ok(unsafe { fmi3SerializedFMUStateSize(self.instance, kept.1, &mut n) });
+        let mut bytes = vec![0; n];
+        let to = bytes.as_mut_ptr();
+        self.ok(unsafe { fmi3SerializeFMUState(self.instance, kept.1, to, n) });
+        bytes
+    }
+
+    /// A copy of the state from bytes; the status where the library refuses them.
+    pub fn try_unstore(&self, bytes: &[u8]) -> Result<SavedState<'_>, c_int> {
+        let mut state = null_mut();
+        let (from, n) = (bytes.as_ptr(), bytes.len());
+        match unsafe { fmi3DeserializeFMUState(self.instance, from, n, &mut state) } {
+            0 => Ok(SavedState(self, state)),
+            status => Err(status),
+        }
     }
 
     /// Numbers of continuous states and event indicators.

@@ -19,8 +19,11 @@
 mod kernel;
 mod session;
 
+use crate::archive::Archive;
 use crate::error::StepError;
-use crate::method::{Integrator, MethodInfo, Sink, TimePlan, Tolerance, Work};
+use crate::method::{
+    Integrator, MethodInfo, Resolution, RestoreError, Sink, TimePlan, Tolerance, Work,
+};
 use crate::stepped::{first_step, step_exponent, tolerance_of};
 use crate::system::{Change, SecondOrderSystem, State, StateView};
 use diffsol::{NalgebraMat, OdeBuilder};
@@ -167,6 +170,15 @@ impl Integrator for Diffsol {
 
     fn duplicate(&self) -> Box<dyn Integrator> {
         Box::new(*self)
+    }
+
+    fn archive(
+        &mut self,
+        _sys: &mut dyn SecondOrderSystem,
+        _resolution: Resolution,
+        archive: &mut Archive<'_>,
+    ) -> Result<(), RestoreError> {
+        Ok(archive.flag(&mut self.ran)?)
     }
 }
 

@@ -5,6 +5,7 @@
 //! fourth-order interpolant. W. Kutta (1901); J. R. Dormand, P. J. Prince, *J. Comp. Appl. Math.* 6 (1980)
 //! 19; interpolant from L. F. Shampine, *Math. Comp.* 46 (1986) 135.
 
+use crate::archive::{Archive, ArchiveError};
 use crate::error::StepError;
 use crate::interpolation::hermite_with_acceleration;
 use crate::linear_stability::Stability;
@@ -292,6 +293,17 @@ impl RungeKutta {
 impl OneStep for RungeKutta {
     fn info(&self) -> &'static MethodInfo {
         self.info
+    }
+
+    fn archive(&mut self, archive: &mut Archive<'_>) -> Result<(), ArchiveError> {
+        archive.count(&mut self.n, u32::MAX as usize)?;
+        for x in [&mut self.kq, &mut self.kv, &mut self.q, &mut self.v] {
+            archive.numbers(x)?;
+        }
+        if self.kq.len() != self.tableau.stages * self.n || self.q.len() != self.n {
+            return Err(ArchiveError::Value("number of stages"));
+        }
+        archive.flag(&mut self.first_known)
     }
 
     fn restart(&mut self, sys: &mut dyn SecondOrderSystem, s: &State, work: &mut Work) {

@@ -3,6 +3,7 @@
 //! First order, symplectic for separable systems, one force per step. E. Hairer, C. Lubich, G. Wanner,
 //! *Geometric Numerical Integration*, I.1.2.
 
+use crate::archive::{Archive, ArchiveError};
 use crate::error::StepError;
 use crate::method::{MethodInfo, OneStep, Stepping, Tolerance, Work};
 use crate::system::{SecondOrderSystem, State};
@@ -31,6 +32,11 @@ pub struct SemiImplicitEuler {
 impl OneStep for SemiImplicitEuler {
     fn info(&self) -> &'static MethodInfo {
         &INFO
+    }
+
+    fn archive(&mut self, archive: &mut Archive<'_>) -> Result<(), ArchiveError> {
+        // The length of the buffer.
+        archive.numbers(&mut self.a)
     }
 
     fn restart(&mut self, _sys: &mut dyn SecondOrderSystem, s: &State, _work: &mut Work) {

@@ -5,6 +5,7 @@
 //! ([`force_after`](SecondOrderSystem::force_after)); both keep order two. Symplectic for separable systems, stable for
 //! `omega h < 2`. L. Verlet, *Phys. Rev.* 159 (1967) 98; W. C. Swope et al., *J. Chem. Phys.* 76 (1982) 637.
 
+use crate::archive::{Archive, ArchiveError};
 use crate::error::StepError;
 use crate::interpolation::hermite_with_acceleration;
 use crate::method::{MethodInfo, OneStep, Stepping, Tolerance, Work};
@@ -37,6 +38,13 @@ pub struct VelocityVerlet {
 impl OneStep for VelocityVerlet {
     fn info(&self) -> &'static MethodInfo {
         &INFO
+    }
+
+    fn archive(&mut self, archive: &mut Archive<'_>) -> Result<(), ArchiveError> {
+        for x in [&mut self.a0, &mut self.a1, &mut self.v, &mut self.before] {
+            archive.numbers(x)?;
+        }
+        Ok(())
     }
 
     fn restart(&mut self, sys: &mut dyn SecondOrderSystem, s: &State, work: &mut Work) {

@@ -20,6 +20,7 @@
 //! gamma. N. M. Newmark (1959); H. M. Hilber, T. J. R. Hughes, R. L. Taylor (1977); J. Chung,
 //! G. M. Hulbert, *J. Appl. Mech.* 60 (1993) 371.
 
+use crate::archive::{Archive, ArchiveError};
 use crate::error::StepError;
 use crate::interpolation::hermite_with_acceleration;
 use crate::linear_stability::{Flip, Stability};
@@ -258,6 +259,20 @@ impl GeneralisedAlpha {
 impl OneStep for GeneralisedAlpha {
     fn info(&self) -> &'static MethodInfo {
         self.info
+    }
+
+    fn archive(&mut self, archive: &mut Archive<'_>) -> Result<(), ArchiveError> {
+        for x in [
+            &mut self.a0,
+            &mut self.a1,
+            &mut self.b0,
+            &mut self.b1,
+            &mut self.residual,
+            &mut self.raw,
+        ] {
+            archive.numbers(x)?;
+        }
+        Ok(())
     }
 
     fn restart(&mut self, sys: &mut dyn SecondOrderSystem, s: &State, work: &mut Work) {

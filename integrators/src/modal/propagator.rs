@@ -11,6 +11,8 @@
 //! functions take the place of the circular ones; `e c` and `e s` are then computed from `exp(-(delta - w) h)`, the
 //! slower of the two decays, which neither overflows nor cancels.
 
+use crate::archive::{Archive, ArchiveError};
+
 /// Coefficients of the motion of an oscillator over a time: `q = qq q0 + qv v0 + qg g`, `v = vq q0 + vv v0 + qv g`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Coefficients {
@@ -358,6 +360,39 @@ impl Tables {
         self.used[i] = self.clock;
         self.last = i;
         i
+    }
+
+    /// Traverses the step sizes of the tables; their values follow from them.
+    pub(crate) fn archive(
+        &mut self,
+        omega: &[f64],
+        zeta: &[f64],
+        from: f64,
+        archive: &mut Archive<'_>,
+    ) -> Result<(), ArchiveError> {
+        let mut steps: Vec<f64> = self.kept.iter().map(|d| d.h).collect();
+        archive.numbers(&mut steps)?;
+        if steps.len() > KEPT {
+            return Err(ArchiveError::Value("number of tables"));
+        }
+        self.used.resize(steps.len(), 0);
+        for used in &mut self.used {
+            archive.whole(used)?;
+        }
+        archive.whole(&mut self.clock)?;
+        archive.count(&mut self.last, steps.len().saturating_sub(1))?;
+        if archive.reads() {
+            self.kept.resize(steps.len(), Drift::default());
+            for (table, &h) in self.kept.iter_mut().zip(&steps) {
+                table.fill(omega, zeta, h, from);
+            }
+        }
+        Ok(())
+    }
+
+    /// Largest index of a table; 0 where there are none.
+    pub(crate) fn last_index(&self) -> usize {
+        self.kept.len().saturating_sub(1)
     }
 
     pub(crate) fn get(&self, i: usize) -> &Drift {

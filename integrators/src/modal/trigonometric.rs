@@ -43,6 +43,7 @@
 
 use super::propagator::{Drift, Tables, coefficients};
 use super::resonance::{Filter, safe_step};
+use crate::archive::{Archive, ArchiveError};
 use crate::equilibrium::shift;
 use crate::error::StepError;
 use crate::free_flight::QueryInterval;
@@ -334,6 +335,35 @@ impl OneStep for Trigonometric {
             }
             smallest = smallest.min(size);
         }
+    }
+
+    fn archive(&mut self, archive: &mut Archive<'_>) -> Result<(), ArchiveError> {
+        for end in &mut self.ends {
+            archive.numbers(&mut end.a)?;
+            archive.flag(&mut end.acts)?;
+            archive.number(&mut end.filter)?;
+        }
+        for x in [
+            &mut self.steady,
+            &mut self.predicted,
+            &mut self.q,
+            &mut self.v,
+            &mut self.before,
+        ] {
+            archive.numbers(x)?;
+        }
+        for x in [
+            &mut self.longest,
+            &mut self.steady_until,
+            &mut self.free_until,
+        ] {
+            archive.number(x)?;
+        }
+        self.query_interval.archive(archive)?;
+        let (omega, zeta, from) = (&self.omega, &self.zeta, self.filter_from);
+        (self.tables).archive(omega, zeta, from, archive)?;
+        (self.inside.get_mut()).archive(omega, zeta, from, archive)?;
+        archive.count(&mut self.table, self.tables.last_index())
     }
 
     fn restart(&mut self, sys: &mut dyn SecondOrderSystem, s: &State, work: &mut Work) {

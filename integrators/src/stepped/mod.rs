@@ -28,13 +28,15 @@ mod advance;
 mod locate;
 mod resume;
 
+use crate::archive::Archive;
 use crate::bounds::Bounds;
 use crate::error::StepError;
 use crate::events::Watch;
 use crate::free_flight::FlightProbe;
 pub use crate::interpolation::{hermite, hermite_with_acceleration};
 use crate::method::{
-    Dense, Integrator, MethodInfo, OneStep, Resolution, Sink, Stepping, TimePlan, Tolerance, Work,
+    Dense, Integrator, MethodInfo, OneStep, Resolution, RestoreError, Sink, Stepping, TimePlan,
+    Tolerance, Work,
 };
 use crate::system::{Change, SecondOrderSystem, State};
 use advance::StepOutcome;
@@ -53,7 +55,7 @@ pub struct Stepped<M> {
 }
 
 /// Data of the loop at the end of a run, from which a further run continues.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 struct PausedRun {
     t_begin: f64,
     h_next: f64,
@@ -265,6 +267,34 @@ impl<M: OneStep + Clone + 'static> Integrator for Stepped<M> {
 
     fn duplicate(&self) -> Box<dyn Integrator> {
         Box::new(self.clone())
+    }
+
+    fn archive(
+        &mut self,
+        sys: &mut dyn SecondOrderSystem,
+        resolution: Resolution,
+        archive: &mut Archive<'_>,
+    ) -> Result<(), RestoreError> {
+        let mut ran = self.left.is_some();
+        archive.flag(&mut ran)?;
+        if !ran {
+            self.left = None;
+            return Ok(());
+        }
+        if archive.reads() {
+            self.method.begin(sys, resolution)?;
+        }
+        let left = self.left.get_or_insert_default();
+        archive.number(&mut left.t_begin)?;
+        archive.number(&mut left.h_next)?;
+        archive.whole(&mut left.on_grid)?;
+        archive.number(&mut left.err_old)?;
+        archive.flag(&mut left.after_rejection)?;
+        archive.flag(&mut left.afresh)?;
+        archive.flag(&mut self.segments.left)?;
+        self.flight.query_interval.archive(archive)?;
+        self.segments.query_interval.archive(archive)?;
+        Ok(self.method.archive(archive)?)
     }
 }
 

@@ -2,7 +2,8 @@
 
 use crate::hammer::Hammer;
 use crate::problems::*;
-use gearbench_integrators::{Change, Integrator, NullSink, State, TimePlan, Work};
+use gearbench_integrators::system::Events;
+use gearbench_integrators::{Archive, Change, Integrator, NullSink, State, TimePlan, Work};
 
 /// Runs pieces of equal length from a given piece on; returns the state after each.
 fn pieces(
@@ -65,5 +66,36 @@ fn copies_of_a_method_go_on_alike() {
         let again = pieces(&mut *copy, &mut sys, &mut s, [40, 30], &plan);
         assert!(on == again, "{}", method.info.id);
         assert!(on.iter().any(|x| x.v[0] != on[0].v[0]), "no impact");
+    }
+}
+
+#[test]
+fn a_method_restored_from_bytes_goes_on_alike() {
+    let hammer = Hammer::gears(0.05);
+    for method in fixed_step().chain(adaptive()) {
+        let plan = plan_of(method, 3e-5, 12.0, 1e-6);
+        let (mut own, mut s, mut sys) = (method.build(), hammer.start(), hammer.clone());
+        pieces(&mut *own, &mut sys, &mut s, [0, 40], &plan);
+        let mut to = Archive::writing();
+        own.archive(&mut sys, plan.resolution, &mut to).unwrap();
+        let bytes = to.into_bytes();
+        // A new method on a new system, as in another process.
+        let (mut copy, mut other) = (method.build(), hammer.clone());
+        other.begin(&mut hammer.start(), plan.events);
+        let mut from = Archive::reading(&bytes);
+        copy.archive(&mut other, plan.resolution, &mut from)
+            .unwrap();
+        from.finish().unwrap();
+        let mut kept = s.clone();
+        let on = pieces(&mut *own, &mut sys, &mut s, [40, 30], &plan);
+        let again = pieces(&mut *copy, &mut other, &mut kept, [40, 30], &plan);
+        assert!(on == again, "{}", method.info.id);
+        // No part of the bytes can be missing.
+        for n in 0..bytes.len() {
+            let mut short = Archive::reading(&bytes[..n]);
+            let mut broken = method.build();
+            let restored = broken.archive(&mut other, plan.resolution, &mut short);
+            assert!(restored.is_err(), "{}, {n} bytes", method.info.id);
+        }
     }
 }

@@ -275,13 +275,14 @@ def tables() -> str:
 def studies() -> str:
     """Return the stub of the studies."""
     text = HEAD.format(title="Studies with the arguments of their commands.")
-    text += "import os\nfrom collections.abc import Callable, Mapping, Sequence\n"
+    text += "import os\nimport pathlib\nfrom collections.abc import Callable, Mapping, Sequence\n"
     text += "from typing import Any\n\n"
     known = [s for s in _native.study_arguments() if s[0] in STUDIES or s[0] in COMMANDS]
     results = sorted(set(STUDIES.values()))
     text += "from .records import (\n" + "".join(f"    {r},\n" for r in results) + ")\n"
     text += "from .scene import Scene\n\n"
     text += "Text = str | os.PathLike[str]\nProgress = Callable[[int, int, str], object] | bool\n\n"
+    text += "LIBRARY: pathlib.Path | None\n\n"
     text += "def execute(\n    command: str,\n    words: Sequence[str],\n"
     text += "    scene: Any,\n    progress: Any,\n    keeps: Any,\n"
     text += ") -> Any: ...\n"

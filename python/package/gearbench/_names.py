@@ -61,7 +61,7 @@ STUDIES = {
 }
 
 # Commands that write files, and return what they have found as a dictionary.
-COMMANDS = ("mesh", "reference", "fmu")
+COMMANDS = ("mesh", "reference", "fmu", "import", "export")
 
 
 def key_of(name: str) -> str:

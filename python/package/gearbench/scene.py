@@ -529,6 +529,7 @@ class Scene:
     mesh = studies.mesh
     reference = studies.reference
     fmu = studies.fmu
+    export = studies.export
 
 
 __all__ = ["Pair", "Parts", "Planetary", "Scene", "Simulation", "Table", "Train"]

@@ -9,6 +9,7 @@ from __future__ import annotations
 import difflib
 import inspect
 import os
+import pathlib
 import tempfile
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
@@ -21,8 +22,11 @@ from .errors import Interrupted
 # as long as the result.
 WITH_FILES = ("choose", "scan")
 
-# Commands whose input may be a file of another kind: a file of checks, or a deck.
-OF_FILES = ("check", "mesh")
+# Commands whose input may be a file of another kind: a file of checks, a deck, or a gearbox of REXS.
+OF_FILES = ("check", "mesh", "import")
+
+# The shared library of FMUs, where a wheel contains it.
+LIBRARY = next(pathlib.Path(__file__).parent.glob("*gearbench_fmu.*"), None)
 
 Argument = tuple[str, str, str, str, bool, bool]
 
@@ -152,6 +156,8 @@ def _study(command: str, about: str, arguments: Sequence[Argument]) -> Callable[
             return scan_in_shards(arguments, scene, progress, options)
         for name in ("executor", "retries"):
             options.pop(name, None) if command == "scan" else None
+        if command == "fmu" and LIBRARY is not None and options.get("library") is None:
+            options["library"] = LIBRARY
         keeps = None
         if command in WITH_FILES and options.get("out") is None:
             keeps = tempfile.TemporaryDirectory(prefix="gearbench-", ignore_cleanup_errors=True)
@@ -168,7 +174,11 @@ def _study(command: str, about: str, arguments: Sequence[Argument]) -> Callable[
 
 def _documented(command: str, about: str, arguments: Sequence[Argument]) -> str:
     text = f"{about}.\n\nParameters\n----------\nscene : Scene or str\n"
-    of_file = {"check": "The path of a file of checks.", "mesh": "A scene, or the path of a deck."}
+    of_file = {
+        "check": "The path of a file of checks.",
+        "mesh": "A scene, or the path of a deck.",
+        "import": "The path of a file of REXS.",
+    }
     text += f"    {of_file.get(command, 'The scene, or its name or path.')}\n"
     text += "progress : callable or True, optional\n"
     text += "    Called with the pieces done, their number (0 if unknown) and the present one;\n"

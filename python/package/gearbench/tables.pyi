@@ -747,6 +747,7 @@ class Reference(Table):
         force_kind: Any | None = ...,
         delimiter: Any | None = ...,
         decimal: Any | None = ...,
+        time_factor: float | None = ...,
         offset_s: float | None = ...,
         zero_over_s: Sequence[float] | None = ...,
         from_s: float | None = ...,
@@ -781,6 +782,8 @@ class Reference(Table):
     def delimiter(self) -> Any | None: ...
     @property
     def decimal(self) -> Any | None: ...
+    @property
+    def time_factor(self) -> float | None: ...
     @property
     def offset_s(self) -> float | None: ...
     @property

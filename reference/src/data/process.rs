@@ -1,4 +1,4 @@
-//! Processing of histories: offset, zero, moving average, window, resampling, in this order.
+//! Processing of histories: clock, zero, moving average, window, resampling, in this order.
 //!
 //! The moving average is that of the linearly interpolated samples over a window of time about each sample, which is
 //! narrower at both ends so that it stays centred: it moves no feature in time. It applies to the reference alone; a
@@ -10,6 +10,8 @@ use super::Channel;
 /// Processing of histories before a comparison.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Processing {
+    /// Factor on all times, before the offset: the rate of the recorder's clock; `None` for 1.
+    pub time_factor: Option<f64>,
     /// Added to all times [s].
     pub offset: f64,
     /// First and last time [s], after the offset, of a part whose mean becomes zero.
@@ -38,6 +40,18 @@ impl Processing {
         least: usize,
     ) -> Result<Vec<String>, ProcessingProblem> {
         let mut lines = Vec::new();
+        if let Some(factor) = self.time_factor.filter(|x| *x != 1.0) {
+            if !(factor > 0.0 && factor.is_finite()) {
+                return Err((
+                    "a positive factor on times".into(),
+                    format!("{factor:e}"),
+                    "give the seconds of the scene over the seconds of the recorder, for example 1.00002".into(),
+                ));
+            }
+            lines.push(format!("times multiplied by {factor:?}"));
+            let times = channels.iter_mut().flat_map(|c| &mut c.time);
+            times.for_each(|t| *t *= factor);
+        }
         if self.offset != 0.0 {
             lines.push(format!("times shifted by {:e} s", self.offset));
             let times = channels.iter_mut().flat_map(|c| &mut c.time);
@@ -251,6 +265,29 @@ mod tests {
             ..Processing::default()
         };
         assert!(late.apply(&mut all, 3).is_err());
+    }
+
+    #[test]
+    fn a_clock_has_an_offset_and_a_rate() {
+        let mut all = channel(&[0.0, 1.0, 2.0, 4.0], &[5.0, 6.0, 9.0, 1.0]);
+        let todo = Processing {
+            time_factor: Some(1.5),
+            offset: -1.0,
+            from: f64::NEG_INFINITY,
+            ..Processing::default()
+        };
+        let lines = todo.apply(&mut all, 3).unwrap();
+        assert_eq!(all[0].time, [-1.0, 0.5, 2.0, 5.0]);
+        assert_eq!(all[0].value, [5.0, 6.0, 9.0, 1.0]);
+        assert_eq!(lines.len(), 2, "{lines:?}");
+        for bad in [0.0, -1.0, f64::NAN] {
+            let todo = Processing {
+                time_factor: Some(bad),
+                ..Processing::default()
+            };
+            let why = todo.apply(&mut all, 3).unwrap_err();
+            assert!(why.0.contains("positive factor"), "{why:?}");
+        }
     }
 
     #[test]

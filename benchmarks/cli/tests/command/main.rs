@@ -23,6 +23,7 @@ mod precision;
 mod reduce;
 mod reference;
 mod rerun;
+mod rexs;
 mod scan;
 mod seeds;
 mod signals;

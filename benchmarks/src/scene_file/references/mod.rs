@@ -59,6 +59,8 @@ keys! {
         delimiter: Option<DelimiterWord>,
         /// "point" or "comma" in numbers, default what they have
         decimal: Option<DecimalWord>,
+        /// factor on all times, before the offset, for a recorder whose clock runs fast or slow, default 1
+        time_factor: Option<Positive>,
         /// added to all times in seconds, default 0; the scene begins at 0
         #[serde(default, skip_serializing_if = "is_default")]
         offset_s: f64,
@@ -313,6 +315,7 @@ fn named(
                 "force_kind",
                 "delimiter",
                 "decimal",
+                "time_factor",
                 "offset_s",
                 "zero_over_s",
                 "from_s",

@@ -42,6 +42,7 @@ pub(super) fn request(
         delimiter: keys.delimiter.map(DelimiterWord::delimiter),
         decimal_comma: keys.decimal.map(|d| matches!(d, DecimalWord::Comma)),
         processing: Processing {
+            time_factor: keys.time_factor.map(f64::from),
             offset: keys.offset_s,
             zero: keys.zero_over_s,
             moving_average: keys.moving_average_s.map(f64::from),

@@ -33,11 +33,11 @@ calibration.
 
 Parameters that can be fitted: stiffness_n_per_m2 and damping_ns_per_m of the contact, path_slope and path_curvature
 (the stiffness along the path of contact is then k (1 + a xi + b xi^2), with xi from -1 at the start of contact to 1
-at its end), gap_m, clock_s (the time offset of the data, which is never written), and the springs, masses and dampers
-of the gear model, of all gears or of one (pinion.tooth_mass_kg). So can every number of the scene, by its path: damping
+at its end), gap_m, clock_s and clock_scale (offset and rate of the clock of a recorder, which are never written), and
+the springs, masses and dampers of the gear model, of all gears or of one (pinion.tooth_mass_kg). So can every number of the scene, by its path: damping
 of shafts (shafts.*.damping_s, one value for all of them), friction, inertia, play (meshes.1.backlash_m); --write=scene
 writes it there. A reference with a contact force is fitted by that force, another by all of its speeds, angles and
-torques; its clock, where it is not that of the scene, by clock_s. Parameters that the data do not determine are
+torques; its clock, where it is not that of the scene, by clock_s and clock_scale. Parameters that the data do not determine are
 reported and are not written, unless --write is used with --force.";
 
 /// Where constants are written to.

@@ -21,11 +21,16 @@ pub fn undetermined(estimate: &Estimate, chosen: &FitParameters, data: &[DataSet
         let has = |key: &str| members.iter().any(|p| p.is(key));
         let only = |keys: &[&str]| members.len() == keys.len() && keys.iter().all(|k| has(k));
         let clock = members.iter().any(|p| matches!(p, Parameter::Clock(_)));
+        let scale = members
+            .iter()
+            .any(|p| matches!(p, Parameter::ClockScale(_)));
         let at_rest = data.iter().all(|d| matches!(d.data, Data::Statics(_)));
         let why = if only(&[STIFFNESS, TOOTH_STIFFNESS]) {
             "they act in series, so that the data determine only the sum of their compliances"
         } else if clock && has(GAP) {
             "both shift the force in time in the same way"
+        } else if scale && members.len() == 1 {
+            "the data are too short, or have too few features, for the rate of their clock"
         } else if has(SLOPE) || has(CURVATURE) {
             "the contacts cover too little of the path of contact, or too much of it at the same time"
         } else if members.len() > 1 {

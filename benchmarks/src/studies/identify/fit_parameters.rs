@@ -9,6 +9,32 @@ use std::f64::consts::PI;
 /// Ratio by which further starting points differ from the model's, either way.
 const SCATTER: f64 = 2.0;
 
+/// Clock of a recorder: the time of the scene is `offset + scale t` at its time `t`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Clock {
+    /// Time of the scene at time zero of the recorder [s].
+    pub offset: f64,
+    /// Seconds of the scene over seconds of the recorder.
+    pub scale: f64,
+}
+
+impl Default for Clock {
+    /// The clock of the scene.
+    fn default() -> Self {
+        Clock {
+            offset: 0.0,
+            scale: 1.0,
+        }
+    }
+}
+
+impl Clock {
+    /// The time of the scene at a time of the recorder [s].
+    pub fn scene_time(self, t: f64) -> f64 {
+        self.offset + self.scale * t
+    }
+}
+
 /// The parameters of a fit.
 #[derive(Clone, Debug, Default)]
 pub struct FitParameters {
@@ -54,12 +80,12 @@ impl FitParameters {
         }
     }
 
-    /// Returns parameter values as constants of a calibration, without offsets of clocks.
+    /// Returns parameter values as constants of a calibration, without those of clocks.
     pub fn constants(&self, values: &[f64]) -> Constants {
         let named = self.parameters.iter().zip(values);
         Constants::of(named.filter_map(|(p, &x)| match p {
             Parameter::Constant(key) => Some((key.as_str(), x)),
-            Parameter::Key(_) | Parameter::Clock(_) => None,
+            Parameter::Key(_) | Parameter::Clock(_) | Parameter::ClockScale(_) => None,
         }))
     }
 
@@ -68,7 +94,7 @@ impl FitParameters {
         let named = self.parameters.iter().zip(values);
         let of = |(p, x): (&Parameter, &f64)| match p {
             Parameter::Key(path) => Some((path.clone(), *x)),
-            Parameter::Constant(_) | Parameter::Clock(_) => None,
+            Parameter::Constant(_) | Parameter::Clock(_) | Parameter::ClockScale(_) => None,
         };
         named.filter_map(of).collect()
     }
@@ -81,11 +107,16 @@ impl FitParameters {
         Some(self.constants(&all))
     }
 
-    /// Returns the offset of the clock of a data set [s].
-    pub fn clock(&self, values: &[f64], set: usize) -> f64 {
+    /// Returns the clock of the recorder of a data set.
+    pub fn clock(&self, values: &[f64], set: usize) -> Clock {
         let first = self.recorders.get(set).copied().unwrap_or(set);
-        let of = |p: &Parameter| *p == Parameter::Clock(first);
-        let place = self.parameters.iter().position(of);
-        place.and_then(|i| values.get(i)).copied().unwrap_or(0.0)
+        let value = |of: Parameter| {
+            let place = self.parameters.iter().position(|p| *p == of)?;
+            values.get(place).copied()
+        };
+        Clock {
+            offset: value(Parameter::Clock(first)).unwrap_or(0.0),
+            scale: value(Parameter::ClockScale(first)).unwrap_or(1.0),
+        }
     }
 }

@@ -49,8 +49,8 @@ mod summary;
 mod tests;
 mod write;
 
-pub use fit_parameters::FitParameters;
-pub use parameters::{CLOCK, FitOptions, Parameter};
+pub use fit_parameters::{Clock, FitParameters};
+pub use parameters::{CLOCK, CLOCK_SCALE, FitOptions, Parameter};
 pub use plan::{
     Data, DataSet, FitPlan, Identification, IdentifyError, StaticTarget, apply, default_method,
 };

@@ -6,7 +6,8 @@
 //! | `damping_ns_per_m` | contact: linear dashpot of Kelvin and Voigt | linear, at least 0 |
 //! | `gap_m` | gap at the start, which is the touch time of an impact | linear, at least 0 |
 //! | `path_slope`, `path_curvature` | contact: course of that stiffness along the path of contact | linear |
-//! | `clock_s` | offset of the clock of a recorder, one per reference, never written | linear |
+//! | `clock_s` | offset of the clock of a recorder, one per recorder, never written | linear |
+//! | `clock_scale` | seconds of the scene over seconds of the recorder, one per recorder, never written | logarithm |
 //! | path of a key of the scene, as `shafts.*.damping_s` | number at every place that it names | logarithm; linear where bounds are given and the value is not positive |
 //! | any positive parameter of the gear model | gears that take the model | logarithm; dampers linear |
 //! | `GEAR.` and such a parameter | that gear alone | likewise |
@@ -22,8 +23,12 @@ use gearbench_models::gear::table::{Model, properties_of};
 use gearbench_models::spec::{FlankContact, Modelling, SceneSpec};
 use gearbench_models::stiffness::PairStiffness;
 
-/// Key of the clock offset of a data set.
+/// Key of the clock offset of a recorder.
 pub const CLOCK: &str = "clock_s";
+/// Key of the scale of the clock of a recorder.
+pub const CLOCK_SCALE: &str = "clock_scale";
+/// Bounds of that scale: clocks of instruments agree to far less than a tenth.
+const SCALES: [f64; 2] = [0.9, 1.1];
 /// Stiffness of a tooth pair that fits start from [N/m per m]: steel has about that whatever the module.
 const PAIR: f64 = 1.5e10;
 /// Gap from which on it is its own typical size [m].
@@ -35,13 +40,15 @@ const COURSE: f64 = 0.3;
 /// Typical offset of a clock over the duration of the data.
 const OFFSET: f64 = 0.02;
 
-/// Parameter of a fit: a constant of the model, or the clock offset of a data set.
+/// Parameter of a fit: a constant of the model, a key of the scene, or the clock of a recorder.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Parameter {
     /// A constant of a calibration, by its key.
     Constant(String),
     /// The offset of the clock of a recorder, by its first data set.
     Clock(usize),
+    /// The scale of the clock of a recorder, by its first data set.
+    ClockScale(usize),
     /// A number of the scene file, at every place that a path names.
     Key(KeyPath),
 }
@@ -69,22 +76,16 @@ impl Parameter {
         match self {
             Parameter::Key(path) => path.to_string(),
             Parameter::Constant(key) => key.clone(),
-            Parameter::Clock(_) if is_one_recorder(data) => CLOCK.into(),
-            Parameter::Clock(i) => {
-                let name = data.get(*i).map_or("", |d| d.recorder.as_str());
-                format!("{CLOCK} of {name}")
-            }
+            Parameter::Clock(i) => of_recorder(CLOCK, *i, data),
+            Parameter::ClockScale(i) => of_recorder(CLOCK_SCALE, *i, data),
         }
     }
 
     /// Returns the name of the parameter in words.
     pub fn name(&self, data: &[DataSet]) -> String {
         match self {
-            Parameter::Clock(_) if is_one_recorder(data) => "clock offset".into(),
-            Parameter::Clock(i) => format!(
-                "clock offset of {}",
-                data.get(*i).map_or("", |d| d.recorder.as_str())
-            ),
+            Parameter::Clock(i) => of_recorder("clock offset", *i, data),
+            Parameter::ClockScale(i) => of_recorder("clock scale", *i, data),
             Parameter::Key(path) => match path.names() {
                 [of @ .., key] => format!("{} of {}", words(key).0, of.join(" ")),
                 [] => String::new(),
@@ -107,6 +108,7 @@ impl Parameter {
     pub fn unit(&self) -> String {
         match self {
             Parameter::Clock(_) => "s".into(),
+            Parameter::ClockScale(_) => "1".into(),
             Parameter::Key(path) => path.names().last().map_or("", |key| words(key).1).into(),
             Parameter::Constant(key) => words(key).1.into(),
         }
@@ -115,6 +117,17 @@ impl Parameter {
     /// True if the parameter is the constant with this key.
     pub fn is(&self, key: &str) -> bool {
         matches!(self, Parameter::Constant(own) if own == key)
+    }
+}
+
+/// A word about the clock of a recorder, with its name where there are several.
+fn of_recorder(word: &str, set: usize, data: &[DataSet]) -> String {
+    match is_one_recorder(data) {
+        true => word.into(),
+        false => {
+            let name = data.get(set).map_or("", |d| d.recorder.as_str());
+            format!("{word} of {name}")
+        }
     }
 }
 
@@ -145,14 +158,22 @@ fn words(key: &str) -> (String, &'static str) {
 }
 
 /// Number of [`keys`] that belong to the scene; the others belong to the model of a gear.
-const OF_SCENE: usize = 6;
+const OF_SCENE: usize = 7;
 
 /// The keys that can be fitted in a model.
 fn keys(model: &Model) -> Vec<&'static str> {
     let own = model.parameters.iter().map(|p| p.key);
     let known = model.properties.fit.map_or(&[][..], |f| f.parameters);
     let dampers = own.filter(|k| k.ends_with("_ns_per_m"));
-    let mut all = vec![STIFFNESS, DAMPING, GAP, SLOPE, CURVATURE, CLOCK];
+    let mut all = vec![
+        STIFFNESS,
+        DAMPING,
+        GAP,
+        SLOPE,
+        CURVATURE,
+        CLOCK,
+        CLOCK_SCALE,
+    ];
     all.extend(known);
     all.extend(dampers);
     all
@@ -165,6 +186,7 @@ fn coordinate(key: &str, spec: &SceneSpec, duration: f64) -> Coordinate {
             (Scale::Linear(gap.max(LEAST_GAP)), [0.0, f64::INFINITY])
         }
         CLOCK => (Scale::Linear(OFFSET * duration), [-duration, duration]),
+        CLOCK_SCALE => (Scale::Logarithm, SCALES),
         SLOPE | CURVATURE => (Scale::Linear(COURSE), [f64::NEG_INFINITY, f64::INFINITY]),
         k if k.ends_with("_ns_per_m") => (Scale::Linear(DAMPER), [0.0, f64::INFINITY]),
         _ => (Scale::Logarithm, [0.0, f64::INFINITY]),
@@ -232,8 +254,10 @@ pub fn choose(
     wishes: &FitOptions,
 ) -> Result<FitParameters, IdentifyError> {
     let id = modelling.gears.first().map_or("", |g| g.id());
-    let of_scene_alone = (wishes.fit.as_ref())
-        .is_some_and(|keys| keys.iter().all(|k| k == CLOCK || path_of(k).is_some()));
+    let of_scene_alone = (wishes.fit.as_ref()).is_some_and(|keys| {
+        let is_clock = |k: &String| k == CLOCK || k == CLOCK_SCALE;
+        keys.iter().all(|k| is_clock(k) || path_of(k).is_some())
+    });
     let recipe = (properties_of(models, id).fit).or(of_scene_alone.then_some(NOTHING));
     let (Some(recipe), Some(model)) = (recipe, models.iter().find(|m| m.id == id)) else {
         let known = models.iter().filter(|m| m.properties.fit.is_some());
@@ -327,6 +351,7 @@ pub fn choose(
                     }
                     (_, Some(place)) => of.parameters.get(place).copied(),
                     (CLOCK, _) => Some(0.0),
+                    (CLOCK_SCALE, _) => Some(1.0),
                     (SLOPE | CURVATURE, _) => present.or(Some(0.0)),
                     _ => present.or(Some(DAMPER)),
                 }
@@ -341,9 +366,13 @@ pub fn choose(
             return Err(IdentifyError::Value(key.clone(), *x));
         }
         let parameters: Vec<Parameter> = match key.as_str() {
-            CLOCK => {
+            CLOCK | CLOCK_SCALE => {
                 let firsts = histories.iter().filter(|&&i| chosen.recorders[i] == i);
-                firsts.map(|&i| Parameter::Clock(i)).collect()
+                let parameter = |&i: &usize| match key == CLOCK {
+                    true => Parameter::Clock(i),
+                    false => Parameter::ClockScale(i),
+                };
+                firsts.map(parameter).collect()
             }
             _ => vec![Parameter::Constant(key.clone())],
         };

@@ -281,7 +281,8 @@ impl Identification {
                 match of {
                     super::parameters::Parameter::Constant(key) => Some((key.as_str(), p.value?)),
                     super::parameters::Parameter::Key(_)
-                    | super::parameters::Parameter::Clock(_) => None,
+                    | super::parameters::Parameter::Clock(_)
+                    | super::parameters::Parameter::ClockScale(_) => None,
                 }
             });
         Constants::of(known)

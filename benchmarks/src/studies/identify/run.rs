@@ -2,7 +2,7 @@
 
 use super::estimate::{Estimate, Problem, estimate};
 use super::explanation::undetermined;
-use super::fit_parameters::FitParameters;
+use super::fit_parameters::{Clock, FitParameters};
 use super::parameters::choose;
 use super::plan::{
     Data, DataSet, FitPlan, Identification, IdentifyError, StaticTarget, apply, default_method,
@@ -37,7 +37,7 @@ pub fn modelled(
     plan: &FitPlan,
     set: &DataSet,
     constants: &Constants,
-    clock: f64,
+    clock: Clock,
 ) -> Result<Vec<f64>, IdentifyError> {
     let (mut spec, mut modelling) = (set.spec.clone(), plan.modelling.clone());
     let model = plan.modelling.gears.first().map_or("", |g| g.id());
@@ -47,7 +47,7 @@ pub fn modelled(
     }
     match &set.data {
         Data::History { quantity, time, .. } => {
-            let shifted: Vec<f64> = time.iter().map(|t| t + clock).collect();
+            let shifted: Vec<f64> = time.iter().map(|t| clock.scene_time(*t)).collect();
             // Before its start a scene is at rest there, without force.
             let before = shifted.partition_point(|t| *t < 0.0);
             let mut scene = assemble(&spec, &modelling, &plan.scene.context.models)?;
@@ -155,7 +155,7 @@ pub fn identify(
         });
     }
     for set in &plan.held_out {
-        let model = trial(plan, set, (&all, &keys), 0.0, runner)?;
+        let model = trial(plan, set, (&all, &keys), Clock::default(), runner)?;
         data.push(against(set, model, true));
     }
     let record = record(plan, &chosen, &found, data);
@@ -182,7 +182,7 @@ fn trial(
     plan: &FitPlan,
     set: &DataSet,
     (constants, keys): (&Constants, &[(KeyPath, f64)]),
-    clock: f64,
+    clock: Clock,
     runner: &Runner<'_>,
 ) -> Result<Vec<f64>, IdentifyError> {
     let changed = match keys {
@@ -200,7 +200,7 @@ fn trial(
         .and_scene(&set.spec, &plan.modelling)
         .and(&(
             constants,
-            clock,
+            (clock.offset, clock.scale),
             (time, force),
             set.values().len(),
             set.further_gap,

@@ -77,7 +77,7 @@ fn differences_are_as_good_as_exact_sensitivities() {
     let run = |z: &[f64]| {
         let values = super::estimate::coordinates::values(&all, z);
         let constants = Constants::of([(STIFFNESS, values[0]), (GAP, values[1])]);
-        modelled(&plan, &noisy, &constants, 0.0).unwrap()
+        modelled(&plan, &noisy, &constants, super::Clock::default()).unwrap()
     };
     let size = noisy.size();
     let mut residuals = |z: &[f64]| {

@@ -34,7 +34,7 @@ pub(super) fn plan(label: &str) -> (FitPlan, gearbench_models::spec::SceneSpec) 
 
 /// Returns data that the model itself makes with constants, with noise relative to the root mean square.
 pub(super) fn made(plan: &FitPlan, mut set: DataSet, truth: &Constants, noise: f64) -> DataSet {
-    let values = modelled(plan, &set, truth, 0.0).unwrap();
+    let values = modelled(plan, &set, truth, Clock::default()).unwrap();
     let rms = plan::size(&values) / (values.len() as f64).sqrt();
     let mut random = estimate::tests::Draws::new(7);
     let values: Vec<f64> = (values.iter())
@@ -164,6 +164,62 @@ fn what_the_data_do_not_tell_is_said_and_has_no_value() {
     );
     let said = &found.record.undetermined[0];
     assert!(said.contains("in time in the same way"), "{said}");
+    assert!(found.constants().gap.is_none() && found.constants().stiffness.is_some());
+}
+
+/// Two recorders with clocks of their own, in offset and rate: the fit finds both clocks and the constants.
+#[test]
+fn the_clocks_of_several_recorders_are_found() {
+    let (plan, spec) = plan("rigid");
+    let truth = Constants::of([(STIFFNESS, 1.5e10)]);
+    let clocks = [
+        Clock {
+            offset: 2e-6,
+            scale: 1.003,
+        },
+        Clock {
+            offset: -1e-6,
+            scale: 0.996,
+        },
+    ];
+    let data = clocks.iter().zip([20.0, 40.0]).map(|(clock, speed)| {
+        let name = format!("at {speed} rad/s");
+        let mut set = made(&plan, impact(&spec, speed, &name), &truth, 1e-3);
+        if let Data::History { time, .. } = &mut set.data {
+            // Times as the recorder has them.
+            (time.iter_mut()).for_each(|t| *t = (*t - clock.offset) / clock.scale);
+        }
+        set
+    });
+    let found = fitted(&FitPlan {
+        data: data.collect(),
+        wishes: FitOptions {
+            fit: keys(&[STIFFNESS, CLOCK, CLOCK_SCALE]),
+            ..FitOptions::default()
+        },
+        ..plan.clone()
+    });
+    let value = |key: &str| {
+        let all = &found.record.parameters;
+        let own = all.iter().find(|p| p.key == key);
+        let own = own.unwrap_or_else(|| panic!("{key} among {all:?}"));
+        assert_eq!(own.outcome, Outcome::Identified, "{own:?}");
+        own.value.unwrap()
+    };
+    assert!((value(STIFFNESS) / 1.5e10 - 1.0).abs() < 5e-3);
+    for (clock, name) in clocks.iter().zip(["at 20 rad/s", "at 40 rad/s"]) {
+        let (offset, scale) = (
+            value(&format!("{CLOCK} of {name}")),
+            value(&format!("{CLOCK_SCALE} of {name}")),
+        );
+        println!(
+            "{name}: offset {offset:e} s of {:e}, scale {scale} of {}",
+            clock.offset, clock.scale
+        );
+        assert!((offset - clock.offset).abs() < 1e-7, "{offset:e}");
+        assert!((scale - clock.scale).abs() < 5e-4, "{scale}");
+    }
+    // Clocks belong to no calibration.
     assert!(found.constants().gap.is_none() && found.constants().stiffness.is_some());
 }
 

@@ -130,8 +130,9 @@ pub(super) fn error(views: &[View<'_>]) -> Result<Option<Chart>, DrawError> {
 fn speed_ratio(h: &Histories<'_>, x: &Axis, [from, last]: [f64; 2]) -> Option<Panel> {
     let runs = h.curves.iter().filter(|c| c.style.is_some());
     let of = |c: &History<'_>| {
-        let (cycle, values) =
-            CycleHistory::of_quantity(c.series, SPEED_RATIO_ERROR)?.between([from, last]);
+        let (mesh, _) = c.series.first_mesh()?;
+        let own = CycleHistory::of_quantity(c.series, SPEED_RATIO_ERROR, mesh)?;
+        let (cycle, values) = own.between([from, last]);
         let cycle: Vec<f64> = cycle.iter().map(|c| c - from).collect();
         Some(Curve::history(c.stroke, x, &cycle, &values).along(c.style))
     };

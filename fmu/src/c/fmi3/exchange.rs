@@ -1,6 +1,6 @@
 //! The functions of FMI 3.0 for model exchange.
 
-use super::{Status, fill, put, read, with};
+use crate::c::{Status, put, read, values, with};
 use crate::instance::{Instance, Kind};
 use std::ffi::c_void;
 
@@ -94,9 +94,13 @@ pub unsafe extern "C" fn fmi3GetContinuousStates(
     count: usize,
 ) -> Status {
     unsafe {
-        with(instance, "fmi3GetContinuousStates", |x| {
-            x.states(fill(states, count)?)
-        })
+        values::list(
+            instance,
+            "fmi3GetContinuousStates",
+            states,
+            count,
+            |x, to| x.states(to),
+        )
     }
 }
 
@@ -107,9 +111,13 @@ pub unsafe extern "C" fn fmi3GetContinuousStateDerivatives(
     count: usize,
 ) -> Status {
     unsafe {
-        with(instance, "fmi3GetContinuousStateDerivatives", |x| {
-            x.derivatives(fill(derivatives, count)?)
-        })
+        values::list(
+            instance,
+            "fmi3GetContinuousStateDerivatives",
+            derivatives,
+            count,
+            Instance::derivatives,
+        )
     }
 }
 
@@ -120,9 +128,13 @@ pub unsafe extern "C" fn fmi3GetNominalsOfContinuousStates(
     count: usize,
 ) -> Status {
     unsafe {
-        with(instance, "fmi3GetNominalsOfContinuousStates", |x| {
-            x.nominals(fill(nominals, count)?)
-        })
+        values::list(
+            instance,
+            "fmi3GetNominalsOfContinuousStates",
+            nominals,
+            count,
+            |x, to| x.nominals(to),
+        )
     }
 }
 
@@ -133,9 +145,13 @@ pub unsafe extern "C" fn fmi3GetEventIndicators(
     count: usize,
 ) -> Status {
     unsafe {
-        with(instance, "fmi3GetEventIndicators", |x| {
-            x.event_functions(fill(indicators, count)?)
-        })
+        values::list(
+            instance,
+            "fmi3GetEventIndicators",
+            indicators,
+            count,
+            Instance::event_functions,
+        )
     }
 }
 

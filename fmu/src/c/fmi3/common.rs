@@ -1,7 +1,9 @@
 //! The functions of FMI 3.0 for instances, co-simulation, variables and copies of the state.
 
-use super::{ERROR, Handle, Log, Logger, OK, Status, caught, fill, paired, put, read, text, with};
-use crate::instance::{Failure, Instance, Kind, Snapshot};
+use crate::c::{
+    Callback, ERROR, Log, Logger, OK, Status, free, open, paired, put, states, text, values, with,
+};
+use crate::instance::{Instance, Kind};
 use std::ffi::{c_char, c_int, c_void};
 use std::path::PathBuf;
 use std::ptr::null_mut;
@@ -30,25 +32,13 @@ unsafe fn instantiate(
     logger: Logger,
 ) -> *mut c_void {
     if name.is_null() {
-        logger.log(ERROR, "the name of the instance is missing");
+        logger.log("", ERROR, "the name of the instance is missing");
         return null_mut();
     }
     // SAFETY: texts of the host.
     let [name, token, resources] = [name, token, resources].map(|p| unsafe { text(p) });
     let path = PathBuf::from(resources.strip_prefix("file://").unwrap_or(&resources));
-    let made = caught(|| Instance::open(kind, &path, &token).map_err(|e| e.to_string()));
-    match made {
-        Ok(Ok(instance)) => Box::into_raw(Box::new(Handle {
-            instance,
-            name,
-            logger,
-        }))
-        .cast(),
-        Ok(Err(why)) | Err(why) => {
-            logger.log(ERROR, &format!("{name}: {why}"));
-            null_mut()
-        }
-    }
+    open(kind, name, &token, &path, logger)
 }
 
 #[unsafe(no_mangle)]
@@ -66,7 +56,10 @@ pub unsafe extern "C" fn fmi3InstantiateCoSimulation(
     log: Log,
     _intermediate: *const c_void,
 ) -> *mut c_void {
-    let logger = Logger { environment, log };
+    let logger = Logger {
+        environment,
+        log: Callback::Fmi3(log),
+    };
     unsafe { instantiate(Kind::CoSimulation, name, token, resources, logger) }
 }
 
@@ -80,17 +73,16 @@ pub unsafe extern "C" fn fmi3InstantiateModelExchange(
     environment: *mut c_void,
     log: Log,
 ) -> *mut c_void {
-    let logger = Logger { environment, log };
+    let logger = Logger {
+        environment,
+        log: Callback::Fmi3(log),
+    };
     unsafe { instantiate(Kind::ModelExchange, name, token, resources, logger) }
 }
 
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3FreeInstance(instance: *mut c_void) {
-    if !instance.is_null() {
-        // SAFETY: made by `instantiate`, freed once.
-        let handle = unsafe { Box::from_raw(instance.cast::<Handle>()) };
-        let _ = caught(|| drop(handle));
-    }
+    unsafe { free(instance) }
 }
 
 #[unsafe(no_mangle)]
@@ -104,7 +96,8 @@ pub unsafe extern "C" fn fmi3EnterInitializationMode(
 ) -> Status {
     unsafe {
         with(instance, "fmi3EnterInitializationMode", |x| {
-            x.enter_initialisation(start, stop_defined.then_some(stop))
+            x.set_experiment(start, stop_defined.then_some(stop))?;
+            x.enter_initialisation()
         })
     }
 }
@@ -144,14 +137,10 @@ pub unsafe extern "C" fn fmi3GetFloat64(
     value_count: usize,
 ) -> Status {
     unsafe {
-        with(instance, "fmi3GetFloat64", |x| {
-            paired(count, value_count)?;
-            let references = read(references, count)?;
-            for (reference, value) in references.iter().zip(fill(values, count)?) {
-                *value = x.get(*reference)?;
-            }
-            Ok(())
-        })
+        match with(instance, "fmi3GetFloat64", |_| paired(count, value_count)) {
+            OK => values::get(instance, "fmi3GetFloat64", references, count, values),
+            status => status,
+        }
     }
 }
 
@@ -164,12 +153,10 @@ pub unsafe extern "C" fn fmi3SetFloat64(
     value_count: usize,
 ) -> Status {
     unsafe {
-        with(instance, "fmi3SetFloat64", |x| {
-            paired(count, value_count)?;
-            let (references, values) = (read(references, count)?, read(values, count)?);
-            let mut pairs = references.iter().zip(values);
-            pairs.try_for_each(|(reference, value)| x.set(*reference, *value))
-        })
+        match with(instance, "fmi3SetFloat64", |_| paired(count, value_count)) {
+            OK => values::set(instance, "fmi3SetFloat64", references, count, values),
+            status => status,
+        }
     }
 }
 
@@ -182,14 +169,10 @@ pub unsafe extern "C" fn fmi3GetBoolean(
     value_count: usize,
 ) -> Status {
     unsafe {
-        with(instance, "fmi3GetBoolean", |x| {
-            paired(count, value_count)?;
-            let references = read(references, count)?;
-            for (reference, value) in references.iter().zip(fill(values, count)?) {
-                *value = x.get_flag(*reference)?;
-            }
-            Ok(())
-        })
+        match with(instance, "fmi3GetBoolean", |_| paired(count, value_count)) {
+            OK => values::get_flags(instance, "fmi3GetBoolean", references, count, values),
+            status => status,
+        }
     }
 }
 
@@ -202,47 +185,21 @@ pub unsafe extern "C" fn fmi3SetBoolean(
     value_count: usize,
 ) -> Status {
     unsafe {
-        with(instance, "fmi3SetBoolean", |x| {
-            paired(count, value_count)?;
-            // A host of C may hand over any byte.
-            let (references, values) = (read(references, count)?, read(values, count)?);
-            let mut pairs = references.iter().zip(values);
-            pairs.try_for_each(|(reference, value)| x.set_flag(*reference, *value != 0))
-        })
+        match with(instance, "fmi3SetBoolean", |_| paired(count, value_count)) {
+            OK => values::set_flags(instance, "fmi3SetBoolean", references, count, values),
+            status => status,
+        }
     }
 }
 
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3GetFMUState(instance: *mut c_void, state: *mut *mut c_void) -> Status {
-    unsafe {
-        with(instance, "fmi3GetFMUState", |x| {
-            // SAFETY: null, or a place of the host.
-            let Some(state) = state.as_mut() else {
-                return Err(Failure("the place for the state is missing".into()));
-            };
-            let copy = x.snapshot();
-            // A state that is there already is used again.
-            match state.cast::<Snapshot>().as_mut() {
-                Some(old) => *old = copy,
-                None => *state = Box::into_raw(Box::new(copy)).cast(),
-            }
-            Ok(())
-        })
-    }
+    unsafe { states::get(instance, "fmi3GetFMUState", state) }
 }
 
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3SetFMUState(instance: *mut c_void, state: *mut c_void) -> Status {
-    unsafe {
-        with(instance, "fmi3SetFMUState", |x| {
-            // SAFETY: null, or made by `fmi3GetFMUState`.
-            let Some(state) = state.cast::<Snapshot>().as_ref() else {
-                return Err(Failure("the state is missing".into()));
-            };
-            x.restore(state);
-            Ok(())
-        })
-    }
+    unsafe { states::set(instance, "fmi3SetFMUState", state) }
 }
 
 #[unsafe(no_mangle)]
@@ -250,18 +207,36 @@ pub unsafe extern "C" fn fmi3FreeFMUState(
     instance: *mut c_void,
     state: *mut *mut c_void,
 ) -> Status {
-    unsafe {
-        with(instance, "fmi3FreeFMUState", |_| {
-            // SAFETY: null, or a place of the host with null or what `fmi3GetFMUState` made.
-            if let Some(state) = state.as_mut()
-                && !state.is_null()
-            {
-                drop(Box::from_raw(state.cast::<Snapshot>()));
-                *state = null_mut();
-            }
-            Ok(())
-        })
-    }
+    unsafe { states::free(instance, "fmi3FreeFMUState", state) }
+}
+
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi3SerializedFMUStateSize(
+    instance: *mut c_void,
+    state: *mut c_void,
+    size: *mut usize,
+) -> Status {
+    unsafe { states::size(instance, "fmi3SerializedFMUStateSize", state, size) }
+}
+
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi3SerializeFMUState(
+    instance: *mut c_void,
+    state: *mut c_void,
+    bytes: *mut u8,
+    size: usize,
+) -> Status {
+    unsafe { states::serialise(instance, "fmi3SerializeFMUState", state, bytes, size) }
+}
+
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi3DeserializeFMUState(
+    instance: *mut c_void,
+    bytes: *const u8,
+    size: usize,
+    state: *mut *mut c_void,
+) -> Status {
+    unsafe { states::deserialise(instance, "fmi3DeserializeFMUState", bytes, size, state) }
 }
 
 #[unsafe(no_mangle)]
@@ -308,16 +283,12 @@ pub unsafe extern "C" fn fmi3GetOutputDerivatives(
     values: *mut f64,
     value_count: usize,
 ) -> Status {
+    let name = "fmi3GetOutputDerivatives";
     unsafe {
-        with(instance, "fmi3GetOutputDerivatives", |x| {
-            paired(count, value_count)?;
-            let (references, orders) = (read(references, count)?, read(orders, count)?);
-            let pairs = references.iter().zip(orders);
-            for ((reference, order), value) in pairs.zip(fill(values, count)?) {
-                *value = x.slope(*reference, *order)?;
-            }
-            Ok(())
-        })
+        match with(instance, name, |_| paired(count, value_count)) {
+            OK => values::get_derivatives(instance, name, references, count, orders, values),
+            status => status,
+        }
     }
 }
 

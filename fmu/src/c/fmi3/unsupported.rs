@@ -1,19 +1,11 @@
-//! Functions of FMI 3.0 for features that these FMUs do not have: variables of other types, clocks, serialised states,
-//! partial derivatives, scheduled execution. A call for zero variables succeeds; any other call logs the missing
+//! Functions of FMI 3.0 for features that these FMUs do not have: variables of other types, clocks, partial
+//! derivatives, scheduled execution. A call for zero variables succeeds; any other call logs the missing
 //! feature and fails.
 
-use super::{Log, Logger, Status, text, with};
-use crate::instance::{CallResult, Failure};
+use crate::c::{Callback, ERROR, Log, Logger, Status, none, text, with};
+use crate::instance::Failure;
 use std::ffi::{c_char, c_void};
 use std::ptr::null_mut;
-
-/// Succeeds for zero variables; otherwise fails, as no variable of the type exists.
-fn none(count: usize, what: &str) -> CallResult {
-    match count {
-        0 => Ok(()),
-        _ => Err(Failure(format!("there are no variables of type {what}"))),
-    }
-}
 
 /// Accessors of variables of a type that does not occur: `(instance, references, count, values, value count)`.
 macro_rules! no_variables {
@@ -100,9 +92,6 @@ absent_of! {
 absent! {
     fmi3GetNumberOfVariableDependencies(reference: u32, count: *mut usize), "dependencies are not known: every output may depend on every input";
     fmi3GetVariableDependencies(dependent: u32, elements: *mut usize, independents: *mut u32, independent_elements: *mut usize, kinds: *mut i32, count: usize), "dependencies are not known: every output may depend on every input";
-    fmi3SerializedFMUStateSize(state: *mut c_void, size: *mut usize), "states are not serialised";
-    fmi3SerializeFMUState(state: *mut c_void, bytes: *mut u8, size: usize), "states are not serialised";
-    fmi3DeserializeFMUState(bytes: *const u8, size: usize, state: *mut *mut c_void), "states are not serialised";
     fmi3GetDirectionalDerivative(unknowns: *const u32, unknown_count: usize, knowns: *const u32, known_count: usize, seed: *const f64, seed_count: usize, sensitivity: *mut f64, sensitivity_count: usize), "there are no partial derivatives";
     fmi3GetAdjointDerivative(unknowns: *const u32, unknown_count: usize, knowns: *const u32, known_count: usize, seed: *const f64, seed_count: usize, sensitivity: *mut f64, sensitivity_count: usize), "there are no partial derivatives";
     fmi3EnterConfigurationMode(), "there are no structural parameters";
@@ -125,10 +114,11 @@ pub unsafe extern "C" fn fmi3InstantiateScheduledExecution(
 ) -> *mut c_void {
     // SAFETY: a text of the host.
     let name = unsafe { text(name) };
-    let logger = Logger { environment, log };
-    logger.log(
-        super::ERROR,
-        &format!("{name}: there is no scheduled execution, take co-simulation or model exchange"),
-    );
+    let logger = Logger {
+        environment,
+        log: Callback::Fmi3(log),
+    };
+    let why = "there is no scheduled execution, take co-simulation or model exchange";
+    logger.log(&name, ERROR, why);
     null_mut()
 }
