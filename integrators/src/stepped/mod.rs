@@ -291,9 +291,7 @@ impl<M: OneStep + Clone + 'static> Integrator for Stepped<M> {
         archive.number(&mut left.err_old)?;
         archive.flag(&mut left.after_rejection)?;
         archive.flag(&mut left.afresh)?;
-        archive.flag(&mut self.segments.left)?;
         self.flight.query_interval.archive(archive)?;
-        self.segments.query_interval.archive(archive)?;
         Ok(self.method.archive(archive)?)
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::{contents, finding, has_only_numbers, holds, made_up, written};
 use gearbench_reports::store::PAGE;
-use gearbench_reports::{Part, Results, report_from, write_results};
+use gearbench_reports::{Results, report_from, write_results};
 use std::collections::BTreeMap;
 
 /// Makes the record of the impact under another name of the scene, with forces times a factor.
@@ -149,13 +149,13 @@ fn scenes_that_cannot_be_told_apart_are_refused() {
     let twice = [impact("original", 1.0), impact("original", 0.5)];
     refused(Results::joined(twice).unwrap(), "two scenes have the name");
     let mut other = impact("corrected", 0.5);
-    other.part = Part::Truncation;
+    other.part = made_up::penalty_results().part;
     refused(
         Results::joined([impact("original", 1.0), other]).unwrap(),
         "same study",
     );
-    let modes = [made_up::mode_results(), made_up::mode_results()];
-    refused(Results::joined(modes).unwrap(), "has one scene");
+    let tables = [made_up::penalty_results(), made_up::penalty_results()];
+    refused(Results::joined(tables).unwrap(), "has one scene");
 }
 
 /// A sweep of two scenes has both resonances, a line for each model and scene, and one table.
