@@ -195,7 +195,9 @@ fn one_solve_has_the_forces_of_bodies_with_a_retardation_time() {
         let solved = solve.solve_retarded(&mut one).unwrap();
         (solved, one, two)
     };
+    // Overlaps are beyond what the retardation changes.
     for s in &mut springs {
+        s.gap0 = s.gap0.min(0.0) - 2e-6;
         s.rate_before *= 0.1;
     }
     let mut errors = Vec::new();
