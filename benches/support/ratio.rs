@@ -70,17 +70,7 @@ pub fn seconds<T>(work: impl FnOnce() -> T) -> f64 {
 /// Returns the processor time [s] of this thread for some work, where the system reports it, so that other loads on
 /// the machine do not count; otherwise wall time. For work of one thread.
 pub fn busy_seconds<T>(work: impl FnOnce() -> T) -> f64 {
-    let busy = || -> Option<f64> {
-        let told = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;
-        let nanoseconds: f64 = told.split_whitespace().next()?.parse().ok()?;
-        Some(1e-9 * nanoseconds)
-    };
-    let before = busy();
-    let wall = seconds(work);
-    match (before, busy()) {
-        (Some(before), Some(after)) if after > before => after - before,
-        _ => wall,
-    }
+    gearbench::experiment::machine::timed(|| std::hint::black_box(work())).1
 }
 
 /// Measures the smallest times [s] of two sides in alternation; criterion reports their ratio `[0] / [1]`.

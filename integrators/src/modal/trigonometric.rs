@@ -416,6 +416,8 @@ impl OneStep for Trigonometric {
         to.t = from.t + h;
         let flies = !self.ends[0].acts && to.t <= self.free_until;
         let drift = self.tables.get(table);
+        // Half of the step of the table, which is the same number in all steps of one grid.
+        let half = 0.5 * drift.h;
         let filter = if drift.filter.is_empty() {
             0.0
         } else {
@@ -424,7 +426,6 @@ impl OneStep for Trigonometric {
         if !flies && self.ends[0].filter != filter {
             self.evaluate(split, from.at(), 0, Some(table), None, work);
         }
-        let half = 0.5 * h;
         let n = self.omega.len();
         self.tables.get(table).apply(
             &from.q,

@@ -242,11 +242,9 @@ impl Scene {
         impulse: &HalfStepImpulse<'_>,
         without: &[f64],
     ) {
-        let nodal = &mut self.work.nodal;
-        nodal.impulse.accelerations.clear();
-        let masses = without.iter().zip(&self.inverse_mass);
-        (nodal.impulse.accelerations).extend(masses.map(|(f, m)| f * m));
-        nodal.begin_impulse(impulse, &self.inverse_mass);
+        let starting = &mut self.work.nodal.impulse;
+        starting.set(impulse, without, &self.inverse_mass);
+        starting.acts = true;
         self.evaluate_contacts(at);
         self.work.nodal.impulse.acts = false;
     }

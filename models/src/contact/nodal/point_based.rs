@@ -16,10 +16,16 @@
 //!
 //! which [`DissipativeSolve`](super::DissipativeSolve) solves over the nodes; `D` and `K` are defined there. Newton's
 //! method on either has as many unknowns as there are points. Its start depends only on the present points.
+//!
+//! Bodies that are damped in proportion to their stiffness, without dashpots at points, have the first problem again: the
+//! gap that the law sees is `s = g0 + beta b0 + (C + beta Y) N` with the rate `b0` before the forces act
+//! ([`retarded`]). One solve gives the forces; the elastic gap under the same state then follows from one linear step,
+//! whose error is of second order in the damping. Only the small force along the path uses it.
 
 use super::compliance::Block;
 use super::descent::{Descent, norm_of};
 use super::spring::{Spring, deepest, elastic_at};
+use crate::law::{SeenBy, retarded};
 use gearbench_integrators::dense_solve::Lu;
 use gearbench_integrators::system::Singular;
 
@@ -48,6 +54,9 @@ pub struct PointBasedSolve {
     pub mobility: Vec<f64>,
     /// Mobility `Y` where `mobility` has become `D Y` and flanks have a retardation time; empty otherwise.
     before: Vec<f64>,
+    /// Gaps that the laws see without forces [m], and their change by the forces, row-major [m/N], of a solve by gaps.
+    unloaded: Vec<f64>,
+    response: Vec<f64>,
     /// Gaps [m], later forces [N].
     gaps: Vec<f64>,
     residual: Vec<f64>,
@@ -121,9 +130,85 @@ impl PointBasedSolve {
             &mut self.columns,
             &mut self.compliance,
         );
+        self.unloaded.clear();
+        self.unloaded.extend(springs.iter().map(|s| s.gap0));
+        self.response.clone_from(&self.compliance);
+        self.settle(springs)
+    }
+
+    /// Solves for gaps and forces of the points at the end of an impulse, where their laws have no dashpots and bodies
+    /// follow with a retardation time; [`Self::mobility`] is that of the points. Returns false where Newton's method does
+    /// not converge or the change of a gap by the retardation is bounded.
+    pub(super) fn press_retarded(
+        &mut self,
+        springs: &mut [Spring],
+        compliance: (&[Block], &[f64]),
+        n: usize,
+    ) -> Result<bool, Singular> {
+        let points = springs.len();
+        between(
+            springs,
+            compliance,
+            n,
+            &mut self.columns,
+            &mut self.compliance,
+        );
+        // A gap without overlap has no retardation.
+        let time = |s: &Spring| if s.gap0 < 0.0 { s.retardation } else { 0.0 };
+        self.unloaded.clear();
+        self.unloaded
+            .extend(springs.iter().map(|s| s.gap0 + time(s) * s.rate_before));
+        self.response.clear();
+        let rows = self.compliance.chunks_exact(points);
+        for (s, (c, y)) in springs
+            .iter()
+            .zip(rows.zip(self.mobility.chunks_exact(points)))
+        {
+            self.response
+                .extend(c.iter().zip(y).map(|(c, y)| c + time(s) * y));
+        }
+        if !self.settle(springs)? {
+            return Ok(false);
+        }
+        // Gaps under compliance, and what they lack to the elastic gaps.
+        self.step.clear();
+        for (i, (s, seen)) in springs.iter().zip(&self.gaps).enumerate() {
+            let under = |matrix: &[f64]| -> f64 {
+                let row = matrix[i * points..][..points].iter();
+                row.zip(&*springs).map(|(a, s)| a * s.force.n).sum()
+            };
+            let gap = s.gap0 + under(&self.compliance);
+            let before = s.rate_before + under(&self.mobility);
+            let (_, by) = retarded(gap, [s.gap0, before], s.retardation);
+            if s.gap0 < 0.0 && by.rate != s.retardation {
+                return Ok(false);
+            }
+            self.residual[i] = gap;
+            self.step.push(gap - seen);
+        }
+        self.linearise(springs, |s| -s.force.dn_dg, false)?;
+        self.factor.solve(&mut self.step);
+        for (i, s) in springs.iter_mut().enumerate() {
+            let (gap, change) = (self.residual[i], self.step[i]);
+            s.elastic = (
+                s.gap + change,
+                (s.force.n + s.force.dn_dg * change).max(0.0),
+            );
+            s.elastic_stiffness = -s.force.dn_dg;
+            s.seen_by = SeenBy {
+                gap: 1.0,
+                rate: time(s),
+            };
+            s.gap = gap;
+        }
+        Ok(true)
+    }
+
+    /// Runs Newton's method on the gaps that the laws see.
+    fn settle(&mut self, springs: &mut [Spring]) -> Result<bool, Singular> {
         self.gaps.clear();
-        (self.gaps).extend(springs.iter().map(|s| LAW_PART * s.gap0.min(0.0)));
-        let largest = springs.iter().fold(0.0_f64, |d, s| d.max(s.gap0.abs()));
+        (self.gaps).extend(self.unloaded.iter().map(|gap| LAW_PART * gap.min(0.0)));
+        let largest = (self.unloaded.iter()).fold(0.0_f64, |d, gap| d.max(gap.abs()));
         let mut norm = self.yield_to(springs);
         for _ in 0..MOST_ITERATIONS {
             if norm.is_nan() {
@@ -134,7 +219,7 @@ impl PointBasedSolve {
             }
             self.step.clear();
             self.step.extend_from_slice(&self.residual);
-            self.linearise(springs, |s| -s.force.dn_dg)?;
+            self.linearise(springs, |s| -s.force.dn_dg, true)?;
             self.factor.solve(&mut self.step);
             let before = norm;
             let mut length = 1.0;
@@ -165,26 +250,32 @@ impl PointBasedSolve {
     /// Computes the elastic forces at the gaps, the residual of the gaps, and its norm.
     fn yield_to(&mut self, springs: &mut [Spring]) -> f64 {
         self.residual.clear();
-        for (s, gap) in springs.iter_mut().zip(&self.gaps) {
+        for ((s, gap), unloaded) in springs.iter_mut().zip(&self.gaps).zip(&self.unloaded) {
             s.gap = *gap;
             s.force = elastic_at(s, *gap);
-            self.residual.push(s.gap0 - gap);
+            self.residual.push(unloaded - gap);
         }
         let forces = springs.iter().map(|s| s.force.n);
-        add_product(&self.compliance, forces, &mut self.residual);
+        add_product(&self.response, forces, &mut self.residual);
         self.residual.iter_mut().for_each(|x| *x = -*x);
         norm_of(&self.residual)
     }
 
-    /// Computes the factor of `I + C K`.
+    /// Computes the factor of `I + A K`, with the response of the gaps in a solve as `A` or with `C`.
     fn linearise(
         &mut self,
         springs: &[Spring],
         k: impl Fn(&Spring) -> f64,
+        response: bool,
     ) -> Result<(), Singular> {
         let points = springs.len();
         self.matrix.clear();
-        for (i, row) in self.compliance.chunks_exact(points).enumerate() {
+        let a = if response {
+            &self.response
+        } else {
+            &self.compliance
+        };
+        for (i, row) in a.chunks_exact(points).enumerate() {
             self.matrix
                 .extend(row.iter().zip(springs).map(|(c, s)| c * k(s)));
             self.matrix[i * points + i] += 1.0;
@@ -221,7 +312,7 @@ impl PointBasedSolve {
                 self.before.extend_from_slice(&self.mobility);
             }
             let deepest = deepest(springs);
-            self.linearise(springs, |s| s.holding(deepest))?;
+            self.linearise(springs, |s| s.holding(deepest), false)?;
             self.step.clear();
             self.step.extend(springs.iter().map(|s| s.rate));
             self.factor.solve(&mut self.step);

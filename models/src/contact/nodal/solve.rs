@@ -104,9 +104,31 @@ impl NodalSolve {
         self.compliance.n
     }
 
-    /// Returns the point-based solve, if the last solve was one.
-    pub fn point_based(&mut self) -> Option<&mut PointBasedSolve> {
-        self.by_points.then_some(&mut self.point_based)
+    /// Returns true if the last solve was point-based.
+    pub fn is_by_points(&self) -> bool {
+        self.by_points
+    }
+
+    /// Returns the point-based solve, for mobilities and dashpots of its points.
+    pub fn point_based(&mut self) -> &mut PointBasedSolve {
+        &mut self.point_based
+    }
+
+    /// Solves for gaps and forces of points without dashpots on bodies with a retardation time, at the end of an impulse
+    /// whose mobility the [point-based solve](Self::point_based) has. Returns false where another solve is needed.
+    ///
+    /// # Errors
+    /// [`Singular`] where numbers are not finite.
+    pub fn solve_retarded(&mut self, springs: &mut [Spring]) -> Result<bool, Singular> {
+        let compliance = (&*self.compliance.blocks, &*self.compliance.matrix);
+        let n = self.compliance.n;
+        self.by_points = self.point_based.press_retarded(springs, compliance, n)?;
+        Ok(self.by_points)
+    }
+
+    /// Returns true if the points are solved for by their gaps: nonlinear laws, and fewer points than nodes.
+    pub fn suits_points(&self, springs: &[Spring]) -> bool {
+        springs.len() < self.compliance.n && !springs.iter().all(|s| s.law.is_linear_elastic())
     }
 
     /// Computes the residual displacements under the present forces of the points, after a [point-based](Self::point_based)
@@ -118,7 +140,7 @@ impl NodalSolve {
     fn find(&mut self, springs: &mut [Spring]) -> Result<(), Singular> {
         let linear = springs.iter().all(|s| s.law.is_linear_elastic());
         self.by_points = false;
-        if !linear && springs.len() < self.compliance.n {
+        if self.suits_points(springs) {
             let compliance = (&*self.compliance.blocks, &*self.compliance.matrix);
             self.by_points = self
                 .point_based

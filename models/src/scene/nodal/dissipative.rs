@@ -3,20 +3,9 @@
 use super::islands::{Island, IslandSolution, Nodal};
 use crate::contact::nodal::{Block, DissipativeSolve, NodalSolve, PortPoint, Spring, deepest};
 use crate::scene::members::{SceneGear, SceneMesh};
-use gearbench_integrators::system::{HalfStepImpulse, Singular};
+use gearbench_integrators::system::Singular;
 
 impl Nodal {
-    /// Starts a half-step impulse: the forces that follow are evaluated at its end, on coordinates with these inverse
-    /// masses; `accelerations` without contact are in [`Impulse`](super::islands::Impulse).
-    pub(in crate::scene) fn begin_impulse(
-        &mut self,
-        impulse: &HalfStepImpulse<'_>,
-        inverse_mass: &[f64],
-    ) {
-        self.impulse.set(impulse, inverse_mass);
-        self.impulse.acts = true;
-    }
-
     /// Computes forces with dashpots and friction from the elastic ones, and the residual displacements of the nodes.
     pub(super) fn dissipate<'a>(
         &mut self,
@@ -171,12 +160,66 @@ impl Nodal {
         meshes: &[SceneMesh],
     ) -> Result<bool, Singular> {
         let n = solved.solve.nodes();
-        if island.slides || self.numbers.len() != n {
+        if island.slides || self.numbers.len() != n || !solved.solve.is_by_points() {
             return Ok(false);
         }
-        let Some(point_based) = solved.solve.point_based() else {
-            return Ok(false);
-        };
+        self.set_mobility(start, island, solved, gears, meshes);
+        solved.solve.point_based().damp(
+            &mut solved.springs,
+            island.damped && !island.compliant.is_empty(),
+        )?;
+        let IslandSolution {
+            solve,
+            springs,
+            outward,
+            ..
+        } = solved;
+        solve.displaced(springs, outward);
+        Ok(true)
+    }
+
+    /// Computes the forces at the end of an impulse in one solve, for points without dashpots and friction on bodies with
+    /// a retardation time; returns false for other contacts, and where that solve does not apply.
+    pub(super) fn press_retarded(
+        &mut self,
+        start: usize,
+        island: &Island,
+        solved: &mut IslandSolution,
+        gears: &[SceneGear],
+        meshes: &[SceneMesh],
+    ) -> bool {
+        let own_dampers = island.damped || island.slides;
+        let by_points = self.numbers.len() == solved.solve.nodes()
+            && solved.solve.suits_points(&solved.springs);
+        if own_dampers || !by_points {
+            return false;
+        }
+        self.set_mobility(start, island, solved, gears, meshes);
+        let IslandSolution {
+            solve,
+            springs,
+            outward,
+            ..
+        } = solved;
+        // A solve that fails is repeated by the other one, which reports it.
+        let solved = matches!(solve.solve_retarded(springs), Ok(true));
+        if solved {
+            solve.displaced(springs, outward);
+        }
+        solved
+    }
+
+    /// Computes the mobility between the points of an island at the end of the present impulse.
+    fn set_mobility(
+        &mut self,
+        start: usize,
+        island: &Island,
+        solved: &mut IslandSolution,
+        gears: &[SceneGear],
+        meshes: &[SceneMesh],
+    ) {
+        let n = solved.solve.nodes();
+        let point_based = solved.solve.point_based();
         let (numbers, mobility) = (&mut solved.mobile, &mut solved.dissipative.ports.mobility);
         if numbers.1 != self.impulse.stamp || numbers.0 != self.numbers {
             numbers.1 = self.impulse.stamp;
@@ -211,18 +254,6 @@ impl Nodal {
                 }
             }
         }
-        point_based.damp(
-            &mut solved.springs,
-            island.damped && !island.compliant.is_empty(),
-        )?;
-        let IslandSolution {
-            solve,
-            springs,
-            outward,
-            ..
-        } = solved;
-        solve.displaced(springs, outward);
-        Ok(true)
     }
 }
 

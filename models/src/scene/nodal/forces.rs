@@ -2,7 +2,7 @@
 
 use super::islands::{Nodal, NodalActive};
 use crate::Vec3;
-use crate::contact::nodal::{GearNodes, NodalPoint, NodalPoints, UNUSED, weighted};
+use crate::contact::nodal::{Block, GearNodes, NodalPoint, NodalPoints, UNUSED, weighted};
 use crate::geometry::along_profile;
 use crate::kinematics::{HubPose, Row};
 use crate::scene::members::{SceneGear, SceneMesh};
@@ -10,9 +10,11 @@ use gearbench_integrators::system::StateView;
 
 impl Nodal {
     /// Computes the rates of gaps and sliding speeds before residual compliance, where dampers and friction need them.
+    /// The nodes of the active points of some gears are blocks of the numbers of the solve.
     pub(super) fn rates(
         &mut self,
         start: usize,
+        (solved, blocks): (&[usize], &[Block]),
         gears: &[SceneGear],
         meshes: &[SceneMesh],
         at: StateView<'_>,
@@ -31,7 +33,20 @@ impl Nodal {
                 let v = g.at(at).v;
                 let [outwards, along] = &mut self.velocities[i];
                 outwards.resize(met.nodes.len(), 0.0);
-                field.displacements(v, &met.nodes, outwards);
+                match solved.iter().position(|&g| g == i).map(|k| blocks[k]) {
+                    // Only the nodes of active points.
+                    Some(block) => {
+                        let numbers = &self.numbers[block.start..][..block.len];
+                        self.of_block.resize(block.len, 0.0);
+                        field.displacements(v, numbers, &mut self.of_block);
+                        for (&node, out) in met.index.iter().zip(&mut *outwards) {
+                            if node != UNUSED {
+                                *out = self.of_block[node as usize - block.start];
+                            }
+                        }
+                    }
+                    None => field.displacements(v, &met.nodes, outwards),
+                }
                 along.resize(if slides { met.along.len() } else { 0 }, 0.0);
                 field.displacements(v, &met.along[..along.len()], along);
             }

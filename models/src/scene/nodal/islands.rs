@@ -171,6 +171,8 @@ pub(in crate::scene) struct Nodal {
     pub(in crate::scene) averages: Averages,
     /// Velocities of nodes, outwards and along the profile.
     pub(in crate::scene) velocities: Vec<[Vec<f64>; 2]>,
+    /// Velocities of the nodes of a block.
+    pub(in crate::scene) of_block: Vec<f64>,
     pub(in crate::scene) impulse: Impulse,
     pub failed: bool,
 }
@@ -182,27 +184,52 @@ pub(in crate::scene) struct Impulse {
     pub acts: bool,
     /// Time over mass of each coordinate in the last impulse [s/kg].
     pub weights: Vec<f64>,
+    /// Factor between acceleration and change of velocity of each coordinate in the last impulse [s].
+    times: Vec<f64>,
     /// Counter of the changes of the weights.
     pub stamp: u64,
+    /// Duration [s] and filter of the impulse that the weights belong to.
+    made_for: (f64, Vec<f64>),
     /// Velocities before the contact forces act.
     pub velocities: Vec<f64>,
-    /// Accelerations without contact.
-    pub accelerations: Vec<f64>,
-    buffer: Vec<f64>,
 }
 
 impl Impulse {
-    /// Starts a half-step impulse on coordinates with given inverse masses.
-    pub fn set(&mut self, impulse: &HalfStepImpulse<'_>, inverse_mass: &[f64]) {
-        self.buffer.clear();
-        let weights = inverse_mass.iter().enumerate();
-        (self.buffer).extend(weights.map(|(i, m)| impulse.weight(i) * m));
-        if self.buffer != self.weights {
+    /// Starts a half-step impulse on coordinates with given inverse masses, under forces without contact.
+    pub fn set(&mut self, impulse: &HalfStepImpulse<'_>, without: &[f64], inverse_mass: &[f64]) {
+        let n = inverse_mass.len();
+        if self.made_for.0 != impulse.time
+            || self.weights.len() != n
+            || !equal(&self.made_for.1, impulse.filter)
+        {
             self.stamp += 1;
-            std::mem::swap(&mut self.buffer, &mut self.weights);
+            self.made_for.0 = impulse.time;
+            self.made_for.1.clear();
+            self.made_for.1.extend_from_slice(impulse.filter);
+            self.times.clear();
+            self.times.extend((0..n).map(|i| impulse.weight(i)));
+            self.weights.clear();
+            let weights = self.times.iter().zip(inverse_mass);
+            self.weights.extend(weights.map(|(time, m)| time * m));
         }
-        impulse.end(&self.accelerations, &mut self.velocities);
+        self.velocities.clear();
+        self.velocities.extend_from_slice(impulse.before);
+        let loads = without.iter().zip(&self.weights);
+        for (v, (f, weight)) in self.velocities.iter_mut().zip(loads) {
+            *v += weight * f;
+        }
+        let steady = impulse.steady.iter().zip(&self.times);
+        for (v, (a, time)) in self.velocities.iter_mut().zip(steady) {
+            *v -= time * a;
+        }
     }
+}
+
+/// Returns true if all bits of two slices agree. All of them are compared, which takes less time than a comparison that
+/// ends at the first difference.
+fn equal(a: &[f64], b: &[f64]) -> bool {
+    let bits = a.iter().zip(b);
+    a.len() == b.len() && bits.fold(0, |all, (a, b)| all | (a.to_bits() ^ b.to_bits())) == 0
 }
 
 /// Returns the islands of the meshes that have a gear with a field.

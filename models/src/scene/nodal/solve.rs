@@ -173,7 +173,8 @@ impl Nodal {
         });
         let velocities = std::mem::take(&mut self.impulse.velocities);
         let v = if kicked { &velocities } else { at.v };
-        self.rates(start, gears, meshes, StateView { v, ..at });
+        let of_nodes = (giving.as_slice(), solved.blocks.as_slice());
+        self.rates(start, of_nodes, gears, meshes, StateView { v, ..at });
         self.impulse.velocities = velocities;
         solved.springs.clear();
         for a in &self.active[start..] {
@@ -202,7 +203,10 @@ impl Nodal {
                 ..Spring::new((nodes, weights), of, p.stiffness, law)
             });
         }
+        let direct =
+            hard.is_none() && kicked && self.press_retarded(start, &here, solved, gears, meshes);
         let result = match hard {
+            _ if direct => Ok(&*solved.outward),
             None => solved.solve.solve(&mut solved.springs, &self.guess),
             Some((hard, (closed, shares))) => hard.solve(
                 &solved.blocks,
@@ -213,7 +217,9 @@ impl Nodal {
             ),
         };
         let result = match result {
-            Ok(_) if here.dissipates => self.dissipate(start, &here, kicked, solved, gears, meshes),
+            Ok(_) if here.dissipates && !direct => {
+                self.dissipate(start, &here, kicked, solved, gears, meshes)
+            }
             other => other,
         };
         let mut rises = 0.0;

@@ -165,3 +165,65 @@ fn the_compliance_of_points_is_that_of_differences() {
         assert!((dn - slope).abs() < 1e-4 * largest, "{dn:e} {slope:e}");
     }
 }
+
+/// One solve for the gaps that the laws see gives the forces of the two solves that it replaces, elastic and with
+/// retardation, and the elastic gaps to second order in the retardation. A change of a gap beyond its overlap is left to
+/// the two solves.
+#[test]
+fn one_solve_has_the_forces_of_bodies_with_a_retardation_time() {
+    let law = Law::new(1.1, Damping::None).unwrap();
+    let (blocks, r, mut springs) = problem(8, 5, 8, law);
+    let mobility: Vec<f64> = r.iter().map(|r| 2e4 * r).collect();
+    let mut solve = NodalSolve::default();
+    set(&mut solve, &blocks, &r);
+    let both = |solve: &mut NodalSolve, springs: &[Spring], beta: f64| {
+        let of = || -> Vec<Spring> {
+            let spring = |s: &Spring| Spring {
+                retardation: beta,
+                ..s.clone()
+            };
+            springs.iter().map(spring).collect()
+        };
+        let (mut one, mut two) = (of(), of());
+        solve.solve(&mut two, &[]).unwrap();
+        assert!(solve.is_by_points());
+        let points = solve.point_based();
+        points.set_mobility(&two, (&blocks, &mobility), 16);
+        points.damp(&mut two, false).unwrap();
+        let points = solve.point_based();
+        points.set_mobility(&one, (&blocks, &mobility), 16);
+        let solved = solve.solve_retarded(&mut one).unwrap();
+        (solved, one, two)
+    };
+    // Overlaps are beyond what the retardation changes.
+    for s in &mut springs {
+        s.gap0 = s.gap0.min(0.0) - 2e-6;
+        s.rate_before *= 0.1;
+    }
+    let mut errors = Vec::new();
+    for beta in [1e-6, 5e-7] {
+        let (solved, one, two) = both(&mut solve, &springs, beta);
+        assert!(solved);
+        let largest = two.iter().fold(0.0_f64, |m, s| m.max(s.force.n));
+        let mut error = 0.0_f64;
+        for (a, b) in one.iter().zip(&two) {
+            assert!((a.force.n - b.force.n).abs() < 1e-12 * largest);
+            assert!((a.gap - b.gap).abs() < 1e-12 * a.gap0.abs());
+            error = error.max((a.elastic.0 - b.elastic.0).abs());
+        }
+        assert!(
+            one.iter()
+                .any(|s| s.force.n > 0.0 && s.force.n != s.elastic.1)
+        );
+        errors.push(error);
+    }
+    assert!(
+        errors[0] < 1e-9 && errors[0] / errors[1] > 3.5,
+        "{errors:?}"
+    );
+    let deepest = springs.iter().map(|s| s.gap0).fold(0.0, f64::min);
+    for s in &mut springs {
+        s.rate_before = -1.0;
+    }
+    assert!(!both(&mut solve, &springs, -2.0 * deepest).0);
+}
