@@ -46,6 +46,10 @@ const QUICK: &[&str] = &[
     "fmu loaded_mesh --move pinion",
     "fmu loaded_mesh --move pinion --out half.fmu",
     "fmu hammer --model rigid --method rk4@1us --out hammer.fmu",
+    "fmu loaded_mesh --fmi 2",
+    "export loaded_mesh --rexs loaded_mesh.rexs",
+    "export loaded_mesh --rexs gearbox.rexs",
+    "man",
     "completions bash",
     "completions fish",
     "compare hammer --models rigid --integrators dopri5@1e-8,generalised-alpha(rho_inf=0.5)@1e-6",
@@ -53,6 +57,17 @@ const QUICK: &[&str] = &[
 
 /// Reasons why commands do not run here, with the commands.
 const LONG: &[(&str, &[&str])] = &[
+    (
+        "They read or write files of the reader; `rexs` tests their kind",
+        &[
+            "import gearbox.rexs",
+            "import gearbox.rexs --bearings --out on_bearings.toml",
+            "import gearbox.rexsz --out scenes/gearbox.toml --bearings",
+            "import gearbox.rexsj --load-case 2 --rigid-shafts",
+            "export my_scene.toml --rexs my_scene.rexsj --model rigid",
+            "man --out ~/.local/share/man/man1",
+        ],
+    ),
     (
         "A choice tries many models on the scene: tens of seconds",
         &[

@@ -640,7 +640,8 @@ fn near(name: &str, distances: &[f64], count: usize) {
         1e3 * worst
     );
     assert_eq!(distances.len(), count);
-    assert!(worst < 5e-8, "{worst:e}");
+    // The profile shifts of the file of SEW have four digits: 57.0000548 mm for 57 mm.
+    assert!(worst < 6e-8, "{worst:e}");
 }
 
 /// Random numbers: xorshift64* (S. Vigna, ACM TOMS 42, 2016).
