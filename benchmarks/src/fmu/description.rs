@@ -150,15 +150,17 @@ fn root(out: &mut String, head: &DescriptionHeader<'_>, all: &Interface) {
 
 /// Writes the lists of outputs, derivatives, unknowns of the initialisation and event indicators.
 fn structure(out: &mut String, version: FmiVersion, all: &Interface) {
-    let outputs = |role: Role| matches!(role, Role::Output(_));
-    let derivatives = |role: Role| matches!(role, Role::Derivative(_));
-    let unknowns = |role: Role| outputs(role) || derivatives(role);
-    let indicators = |role: Role| matches!(role, Role::EventFunction(_));
-    let kinds: [(&str, &str, &dyn Fn(Role) -> bool); 4] = [
-        ("Output", "Outputs", &outputs),
-        ("ContinuousStateDerivative", "Derivatives", &derivatives),
-        ("InitialUnknown", "InitialUnknowns", &unknowns),
-        ("EventIndicator", "", &indicators),
+    /// Condition on the role of a variable.
+    type OfRole = fn(Role) -> bool;
+    let outputs: OfRole = |role| matches!(role, Role::Output(_));
+    let derivatives: OfRole = |role| matches!(role, Role::Derivative(_));
+    let unknowns: OfRole = |role| matches!(role, Role::Output(_) | Role::Derivative(_));
+    let indicators: OfRole = |role| matches!(role, Role::EventFunction(_));
+    let kinds = [
+        ("Output", "Outputs", outputs),
+        ("ContinuousStateDerivative", "Derivatives", derivatives),
+        ("InitialUnknown", "InitialUnknowns", unknowns),
+        ("EventIndicator", "", indicators),
     ];
     for (three, two, of) in kinds {
         let roles = all.variables.iter().map(|v| v.role).enumerate();

@@ -530,7 +530,6 @@ fn stiffness(
     let modelling = Modelling {
         gears: own.gears.map(|i| modelling.gears[i].clone()).to_vec(),
         contacts: vec![modelling.contacts[mesh].clone()],
-        ..modelling.clone()
     };
     let [a, b] = [&pair.gears[0], &pair.gears[1]];
     let layout = mesh_layout(a, b).map_err(|e| e.to_string())?;

@@ -34,7 +34,7 @@ use std::time::Duration;
 /// Part of the largest entry of the ledger within which energy has to be explained [-].
 pub const ENERGY: f64 = 0.02;
 /// Bound on the processor time of a run.
-const TIMEOUT: Duration = Duration::from_secs(20);
+const TIMEOUT: Duration = Duration::from_secs(5);
 
 /// Integrators of the table with their steps.
 fn schemes() -> [Scheme; 6] {

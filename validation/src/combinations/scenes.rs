@@ -457,7 +457,7 @@ impl Combination {
 }
 
 /// Simulated time of each scene [s].
-const DURATION: f64 = 1e-4;
+const DURATION: f64 = 2e-5;
 
 fn turning(speed: f64, torque: f64) -> GearTable {
     GearTable {

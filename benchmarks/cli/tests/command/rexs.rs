@@ -1,6 +1,8 @@
 //! Tests of `gearbench import` and `gearbench export`: own samples of all forms and versions, the public samples where a
 //! folder has them, round trips, and mutations.
 
+#![allow(clippy::print_stdout)]
+
 use super::{Folder, has, stderr};
 use gearbench::context::Context;
 use gearbench::rexs::import::{ImportOptions, scene};

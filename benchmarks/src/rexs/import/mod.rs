@@ -448,7 +448,9 @@ fn fit(
     let Err(mut refusal) = try_addenda(context, scene, report) else {
         return Ok(());
     };
-    let changes: [(&str, fn(&mut SceneTable) -> bool); 3] = [
+    /// A change of a scene; false if there is nothing to change.
+    type Change = fn(&mut SceneTable) -> bool;
+    let changes: [(&str, Change); 3] = [
         (
             "internal gears: the cutter of the defaults, as that of the file cannot be used",
             default_cutters,

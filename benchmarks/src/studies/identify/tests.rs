@@ -212,10 +212,6 @@ fn the_clocks_of_several_recorders_are_found() {
             value(&format!("{CLOCK} of {name}")),
             value(&format!("{CLOCK_SCALE} of {name}")),
         );
-        println!(
-            "{name}: offset {offset:e} s of {:e}, scale {scale} of {}",
-            clock.offset, clock.scale
-        );
         assert!((offset - clock.offset).abs() < 1e-7, "{offset:e}");
         assert!((scale - clock.scale).abs() < 5e-4, "{scale}");
     }

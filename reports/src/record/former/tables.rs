@@ -73,7 +73,7 @@ fn choices(record: &mut Value) -> serde_json::Result<bool> {
         let cell = move |r: &&Value| {
             serde_json::from_value::<Cell>(r[key].clone()).unwrap_or(Cell::Absent)
         };
-        columns = columns.add(key, &key.replace('_', " "), cell);
+        columns = columns.add(key, key.replace('_', " "), cell);
         if ["scene", "outcome", "chosen"].contains(&key.as_str()) {
             columns = columns.shown(&capital(key), Format::Text).result();
         }
