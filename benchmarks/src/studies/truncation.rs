@@ -25,7 +25,7 @@ use gearbench_reference::reduction::ElasticParameters;
 use gearbench_reference::reduction::choose::Criterion;
 use gearbench_reports::columns::Columns;
 use gearbench_reports::metrics::{compare as measure, compare_all};
-use gearbench_reports::numbers::{counted, limit as within, per_cent, quantity, times};
+use gearbench_reports::numbers::{count, counted, limit as within, per_cent, times};
 use gearbench_reports::record::{ReferenceSeries, Results, Run};
 use gearbench_reports::tabular::TableChart;
 use gearbench_reports::{Format, Metric};
@@ -561,12 +561,12 @@ impl TabularStudy for Truncation {
             let compared = better.map_or_else(String::new, |r| {
                 let e = r.error.unwrap_or(f64::NAN);
                 format!(
-                    ", {}that of {} modes with residual compliance ({}, {} in place of {})",
+                    ", {}that of {} modes with residual compliance ({}, {} steps in place of {})",
                     times(off / e),
                     r.modes,
                     per_cent(e, 2),
-                    quantity(r.run.cost_s(), "s", 2),
-                    quantity(row.run.cost_s(), "s", 2),
+                    count(r.run.steps),
+                    count(row.run.steps),
                 )
             });
             sentences.push(format!(

@@ -22,7 +22,7 @@ from .errors import Interrupted
 # as long as the result.
 WITH_FILES = ("choose", "scan")
 
-# Commands whose input may be a file of another kind: a file of checks, a deck, or a gearbox of REXS.
+# Commands whose input may be a file of another kind: of checks, a deck, or a gearbox of REXS.
 OF_FILES = ("check", "mesh", "import")
 
 # The shared library of FMUs, where a wheel contains it.

@@ -159,6 +159,10 @@ const LONG: &[(&str, &[&str])] = &[
     (
         "Studies of many runs: tens of seconds to minutes",
         &[
+            "compare beveloid beveloid_corrected",
+            "compare beveloid beveloid_corrected --models rigid,movable-teeth --integrators dopri5",
+            "sweep beveloid beveloid_corrected",
+            "sweep beveloid beveloid_corrected --models rigid,movable-teeth",
             "precision spur_impact",
             "stability spur_rotation",
             "truncation spur_impact",

@@ -204,10 +204,10 @@ fn forces_on_movable_teeth_are_drawn() {
     super::as_documented(&folder.at("here"));
     let svg = folder.read("here/teeth.svg");
     for what in [
-        "deflection of a tooth",
-        "radial force",
-        "tangential force",
-        "spring force",
+        "deflection of a tooth, S_i \u{2212} \u{3c6}",
+        "radial force F_n",
+        "tangential force F_t",
+        "spring force F_te",
     ] {
         let heading = format!("{what}, movable-teeth (dopri5)");
         assert_eq!(
