@@ -46,7 +46,7 @@ STUDIES = {
     "choose": "ChooseResult",
     "precision": "PrecisionResult",
     "stability": "StabilityResult",
-    "truncation": "TruncationResult",
+    "truncation": "TabularResult",
     "stiffness": "StiffnessResult",
     "modes": "ModesResult",
     "response": "ResponseResult",

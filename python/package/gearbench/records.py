@@ -116,15 +116,6 @@ Motion = Literal[
 ]
 
 Outcome = Literal[
-    "adequate",
-    "inadequate",
-    "rightly none",
-    "wrongly none",
-    "not decided",
-    "not validated",
-]
-
-Outcome2 = Literal[
     "identified",
     "at bound",
     "held",
@@ -2122,7 +2113,7 @@ class ParameterRecord(RecordBase):
         Lower end of the 95 % interval; absent where it is open.
     name : str
         Name of the parameter in words.
-    outcome : Outcome2
+    outcome : Outcome
         Outcome of the fit for this parameter.
     unit : str
         Unit of the parameter.
@@ -2136,7 +2127,7 @@ class ParameterRecord(RecordBase):
     key: str
     low: float | None = None
     name: str
-    outcome: Outcome2
+    outcome: Outcome
     unit: str
     value: float | None = None
 
@@ -2375,8 +2366,6 @@ class Run(RunBase):
         Id of the integrator.
     ledger : Ledger
         Energy and impulse ledger.
-    mark : str | None
-        Name of the run in charts, where it stands out among others of its variant.
     mesh_forces : list[MeshForce]
         The contact force of each mesh, of scenes with several.
     message : str | None
@@ -2459,7 +2448,6 @@ class Run(RunBase):
     implicit: bool
     integrator: str
     ledger: Ledger
-    mark: str | None = None
     mesh_forces: list[MeshForce] = field(default_factory=list)
     message: str | None = None
     metrics: list[Metrics]
@@ -3161,23 +3149,33 @@ class TableChart(RecordBase):
         Sentence below the chart.
     file : str
         Name of the file, without ending.
+    levels : FloatArray
+        Levels of the ordinates that are drawn as limits, in the units of their columns.
     limit : str
         Name of the rows without abscissa, which are horizontal lines; empty if there are none
         to be drawn.
     magnitudes : bool
         True if magnitudes are drawn, as for deviations.
+    marks : str
+        Key of a column whose texts name points; empty if none has a name.
     ordinates : list[str]
         Keys of the columns of ordinates.
+    points : bool
+        True if points are not joined, as those of independent rows.
     title : str
         Title of the chart.
     """
 
+    _arrays: ClassVar[tuple[str, ...]] = ("levels",)
     abscissa: str
     caption: str
     file: str
+    levels: FloatArray = field(default_factory=_empty)
     limit: str = ""
     magnitudes: bool = False
+    marks: str = ""
     ordinates: list[str]
+    points: bool = False
     title: str
 
 
@@ -3218,6 +3216,8 @@ class TabularRecord(RecordBase):
         Columns of the table.
     finding : list[str]
         The finding: sentences in plain words.
+    grouped_by : str
+        Key of the column by which rows are grouped; empty for that of models.
     name : str
         Name of the study, which is that of its command and of its file.
     remark : str
@@ -3231,6 +3231,7 @@ class TabularRecord(RecordBase):
     charts: list[TableChart] = field(default_factory=list)
     columns: list[TableColumn]
     finding: list[str]
+    grouped_by: str = ""
     name: str
     remark: str = ""
     rows: list[TableRow]
@@ -3782,65 +3783,6 @@ class CheckResult(StudyResult):
     history: list[Trend] = field(default_factory=list)
     quantity: str = ""
     stored: Stored | None = None
-
-
-@dataclass(kw_only=True, repr=False)
-class TruncationResult(StudyResult):
-    """The record of the study `truncation`.
-
-    Attributes
-    ----------
-    command : str
-        Command line that makes the record again.
-    commit : str
-        Commit of gearbench, with a mark when the tree had changes.
-    created : str
-        Time of the study (RFC 3339), as given by the caller.
-    further : list[StudyResult]
-        Records of the further scenes of a study of several scenes, in the order of its command,
-        each as the study of that scene alone has it.
-    machine : Machine | None
-        Computer the times were measured on.
-    measured : list[MeasuredCurve]
-        Measured curves that the tables of the study are compared with.
-    mesh_modes : list[MeshMode]
-        The mesh mode of each model, of studies of models of a scene with loads.
-    references : list[ReferenceSeries]
-        Independent references; charts show the first one as the dark line.
-    runs : list[Run]
-        The runs, failed ones included, in the order to be shown.
-    scene : str
-        Name of the scene.
-    schema : int
-        Format version, `SCHEMA`.
-    settings : dict[str, str]
-        Settings of the scene in the order of display: name, and value with unit.
-    source : Source | None
-        Inputs of the record; `None` in records of versions that did not keep them.
-    title : str
-        One line that describes the simulation.
-    tolerance : Tolerance | None
-        Tolerance of the scene; absent where it states none.
-    study : str
-        Name of the study.
-    """
-
-    command: str = ""
-    commit: str = ""
-    created: str = ""
-    further: list[StudyResult] = field(default_factory=list)
-    machine: Machine | None = None
-    measured: list[MeasuredCurve] = field(default_factory=list)
-    mesh_modes: list[MeshMode] = field(default_factory=list)
-    references: list[ReferenceSeries] = field(default_factory=list)
-    runs: list[Run] = field(default_factory=list)
-    scene: str = ""
-    schema: int = 0
-    settings: dict[str, str] = field(default_factory=dict)
-    source: Source | None = None
-    title: str = ""
-    tolerance: Tolerance | None = None
-    study: str = ""
 
 
 @dataclass(kw_only=True, repr=False)
@@ -4423,6 +4365,8 @@ class TabularResult(StudyResult):
         Columns of the table.
     finding : list[str]
         The finding: sentences in plain words.
+    grouped_by : str
+        Key of the column by which rows are grouped; empty for that of models.
     name : str
         Name of the study, which is that of its command and of its file.
     remark : str
@@ -4452,6 +4396,7 @@ class TabularResult(StudyResult):
     charts: list[TableChart] = field(default_factory=list)
     columns: list[TableColumn] = field(default_factory=list)
     finding: list[str] = field(default_factory=list)
+    grouped_by: str = ""
     name: str = ""
     remark: str = ""
     rows: list[TableRow] = field(default_factory=list)
@@ -4464,7 +4409,6 @@ RESULTS: dict[str, type[StudyResult]] = {
     "stability": StabilityResult,
     "choose": ChooseResult,
     "check": CheckResult,
-    "truncation": TruncationResult,
     "sweep": SweepResult,
     "identify": IdentifyResult,
     "modes": ModesResult,

@@ -23,7 +23,6 @@ from .records import (
     StiffnessResult,
     SweepResult,
     TabularResult,
-    TruncationResult,
 )
 from .scene import Scene
 
@@ -126,25 +125,6 @@ def stability(
     memory: float | None = ...,
 ) -> StabilityResult:
     """Map the stability of integrators over step size and stiffness, damping, speed or modes, and compare it with theory."""
-
-def truncation(
-    scene: Scene | Text,
-    *,
-    progress: Progress | None = ...,
-    models: Text | float | bool | Sequence[Any] | None = ...,
-    counts: int | None = ...,
-    reference_integrator: Text | float | bool | Sequence[Any] | None = ...,
-    no_refine: bool | None = ...,
-    out: Text | float | bool | Sequence[Any] | None = ...,
-    measured: Text | float | bool | Sequence[Any] | Mapping[str, Any] | None = ...,
-    fresh: bool | None = ...,
-    force: bool | None = ...,
-    timeout: float | None = ...,
-    repeats: int | None = ...,
-    any_reference: bool | None = ...,
-    memory: float | None = ...,
-) -> TruncationResult:
-    """Compute the error of the elastic model over the number of modes, against full finite elements on the same mesh."""
 
 def stiffness(
     scene: Scene | Text,
@@ -367,6 +347,25 @@ def cost(
     memory: float | None = ...,
 ) -> TabularResult:
     """Compute what the runs of each model and integrator cost: time per step, per evaluation and per simulated second."""
+
+def truncation(
+    scene: Scene | Text,
+    *,
+    progress: Progress | None = ...,
+    models: Text | float | bool | Sequence[Any] | None = ...,
+    counts: int | None = ...,
+    reference_integrator: Text | float | bool | Sequence[Any] | None = ...,
+    no_refine: bool | None = ...,
+    out: Text | float | bool | Sequence[Any] | None = ...,
+    measured: Text | float | bool | Sequence[Any] | Mapping[str, Any] | None = ...,
+    fresh: bool | None = ...,
+    force: bool | None = ...,
+    timeout: float | None = ...,
+    repeats: int | None = ...,
+    any_reference: bool | None = ...,
+    memory: float | None = ...,
+) -> TabularResult:
+    """Compute the error of the elastic model over the number of modes, against full finite elements on the same mesh."""
 
 def mesh(
     scene: Scene | Text,
