@@ -93,6 +93,8 @@ def test_a_load_follows_a_function_of_time():
 
 def interrupt_after(seconds):
     """Send the signal of Ctrl-C to this process."""
+    # A shell starts jobs in the background with the signal ignored.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     timer = threading.Timer(seconds, os.kill, (os.getpid(), signal.SIGINT))
     timer.start()
     return timer

@@ -139,6 +139,8 @@ pub fn all() -> Vec<Combination> {
 /// Module and face width of all gears [m].
 const MODULE: f64 = 3e-3;
 const WIDTH: f64 = 8e-3;
+/// Helix angle of helical gears in degrees.
+const HELIX: f64 = 15.0;
 /// Teeth of the first and the second gear, of a ring gear and of the gears of a set.
 const TEETH: [u32; 2] = [20, 28];
 const RING: u32 = 76;
@@ -167,7 +169,7 @@ impl Combination {
             module_m: MODULE,
             face_width_m: WIDTH,
             bore_radius_m: 0.2 * f64::from(teeth) * MODULE,
-            helix_angle_deg: of(Toothing::Helical, 15.0),
+            helix_angle_deg: of(Toothing::Helical, HELIX),
             profile_shift_angle_deg: of(Toothing::Conical, 4.0),
             ..further
         }
@@ -217,6 +219,7 @@ impl Combination {
             Mount::Driven => {
                 second.mount = GearMount::Driven(Turning::speed_rad_s(turns * SPEED * ratio));
                 second.loads = None;
+                second.speed_rad_s = None;
             }
             Mount::Guided => {
                 let guide = TurningGuide {
@@ -291,12 +294,13 @@ impl Combination {
 
     fn rack(&self) -> RackTable {
         let radius = 0.5 * f64::from(TEETH[0]) * MODULE;
+        // A prescribed motion has its own speed, and needs no load.
         let driven = self.mount == Mount::Driven;
         RackTable {
             teeth: 11,
             module_m: MODULE,
             face_width_m: WIDTH,
-            speed_m_s: Some(SPEED * radius),
+            speed_m_s: (!driven).then_some(SPEED * radius),
             mount: match driven {
                 true => RackMount::Driven(Sliding::speed_m_s(SPEED * radius)),
                 false => RackMount::default(),
@@ -309,7 +313,11 @@ impl Combination {
     /// A sun, three planets on a carrier and a ring that is held; spur or helical. Other toothings have no such set: an
     /// internal one is that of spur gears, the others are refused when they are read.
     fn set(&self) -> SceneTable {
-        let distance = 0.5 * f64::from(TEETH[0] + TEETH[1]) * MODULE;
+        let across = match self.toothing {
+            Toothing::Helical => HELIX.to_radians().cos(),
+            _ => 1.0,
+        };
+        let distance = 0.5 * f64::from(TEETH[0] + TEETH[1]) * MODULE / across;
         let carrier = f64::from(TEETH[0]) / f64::from(TEETH[0] + RING);
         let centre = Some(Position([0.0; 3]));
         let thinned = |own: GearTable| GearTable {
