@@ -5,6 +5,7 @@ from __future__ import annotations
 import _thread
 import copy
 import pickle
+import signal
 import threading
 from concurrent.futures import ThreadPoolExecutor
 
@@ -173,6 +174,8 @@ def test_a_law_that_fails_in_one_thread_leaves_the_others_alone():
 
 
 def test_an_interruption_in_a_law_ends_the_run():
+    # A shell starts jobs in the background with the signal ignored.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     calls = []
 
     def law(gap, gap_rate):
