@@ -319,7 +319,7 @@ fn columns<'a>() -> Columns<'a, &'a ValidatedChoice> {
         .add("note", "note", |s| s.note.clone())
 }
 
-/// What the columns of errors mean.
+/// The remark below the table, which explains its columns of errors.
 const LEGEND: &str = "Error of the yardstick: its change by twice the step or fewer modes. Mesh of the scene, mesh and contact: their \
                  error against the yardstick with as many modes, the first with its contact. Finite elements: full ones, on a mesh three \
                  times as fine along the flanks as the scene's, with a penalty.";
@@ -499,7 +499,7 @@ mod tests {
         assert!(scenes[0].why_missed().is_empty());
     }
 
-    /// What a table keeps of a choice is what its summary needs.
+    /// A table keeps of each choice all that the summary of results reads.
     #[test]
     fn a_choice_is_a_row_and_a_row_a_choice() {
         let scenes = [

@@ -38,7 +38,7 @@ pub struct Cell<P> {
     pub configuration: Configuration,
     /// Integrator.
     pub method: Scheme,
-    /// What distinguishes the cell from others of its model, where its values do; its own name in the table.
+    /// Name of the cell among the cells of its model in the table; `None` where the model has one name.
     pub variant: Option<String>,
     /// Values that the study varies, with everything else that the result depends on.
     pub at: P,
@@ -56,7 +56,7 @@ pub struct Measured<S: TabularStudy> {
     pub row: S::Row,
 }
 
-/// What a cell may be compared with when it is measured.
+/// Earlier cells and references of the scene, with which a cell is compared when it is measured.
 pub struct Others<'a, S: TabularStudy> {
     /// Cells that were measured before.
     pub rows: &'a [Measured<S>],

@@ -136,7 +136,7 @@ impl std::fmt::Display for ModeBound {
     }
 }
 
-/// What a cell runs.
+/// The model that a cell runs.
 #[derive(Clone, Debug)]
 pub struct Modes {
     /// Variant of truncation and modes of a reduced model; `None` for the full model.

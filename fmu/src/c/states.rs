@@ -9,25 +9,34 @@ fn missing() -> Failure {
     Failure("the state is missing".into())
 }
 
+/// Makes a copy and stores it at a place of the host; one that is there already is replaced.
+///
+/// # Safety
+/// `state` is null or a place with null or a copy.
+unsafe fn keep(
+    state: *mut *mut c_void,
+    make: impl FnOnce() -> Result<Snapshot, Failure>,
+) -> Result<(), Failure> {
+    unsafe {
+        // SAFETY: null, or a place of the host.
+        let Some(state) = state.as_mut() else {
+            return Err(Failure("the place for the state is missing".into()));
+        };
+        let copy = make()?;
+        match state.cast::<Snapshot>().as_mut() {
+            Some(old) => *old = copy,
+            None => *state = Box::into_raw(Box::new(copy)).cast(),
+        }
+        Ok(())
+    }
+}
+
 /// Copies the state of an instance to a place of the host. A copy that is there already is replaced.
 ///
 /// # Safety
 /// As [`with`]; `state` is null or a place with null or a copy.
 pub unsafe fn get(instance: *mut c_void, function: &str, state: *mut *mut c_void) -> Status {
-    unsafe {
-        with(instance, function, |x| {
-            // SAFETY: null, or a place of the host.
-            let Some(state) = state.as_mut() else {
-                return Err(Failure("the place for the state is missing".into()));
-            };
-            let copy = x.snapshot();
-            match state.cast::<Snapshot>().as_mut() {
-                Some(old) => *old = copy,
-                None => *state = Box::into_raw(Box::new(copy)).cast(),
-            }
-            Ok(())
-        })
-    }
+    unsafe { with(instance, function, |x| keep(state, || Ok(x.snapshot()))) }
 }
 
 /// Returns an instance to a copy.
@@ -125,16 +134,7 @@ pub unsafe fn deserialise(
 ) -> Status {
     unsafe {
         with(instance, function, |x| {
-            // SAFETY: null, or a place of the host.
-            let Some(state) = state.as_mut() else {
-                return Err(Failure("the place for the state is missing".into()));
-            };
-            let copy = x.deserialise(read(bytes, count)?)?;
-            match state.cast::<Snapshot>().as_mut() {
-                Some(old) => *old = copy,
-                None => *state = Box::into_raw(Box::new(copy)).cast(),
-            }
-            Ok(())
+            keep(state, || x.deserialise(read(bytes, count)?))
         })
     }
 }

@@ -14,7 +14,7 @@ fn bits(x: &[f64]) -> Vec<u64> {
     x.iter().map(|x| x.to_bits()).collect()
 }
 
-/// The same model for both versions.
+/// Packs one model for both versions of FMI.
 fn both(scene: &str, model: &str, method: &str, moved: &[&str]) -> (Fmu, Fmu2) {
     let file = shipped(scene, model);
     let two = packed_as(FmiVersion::Two, &file, model, method, moved);

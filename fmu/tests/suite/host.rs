@@ -176,6 +176,40 @@ pub fn attribute<'a>(text: &'a str, name: &str) -> Option<&'a str> {
     Some(after.split_once('"')?.0)
 }
 
+/// A package in a folder, with what a host reads in its description.
+pub struct Unpacked {
+    pub folder: TempDir,
+    pub description: String,
+    /// References of variables by their names.
+    pub references: BTreeMap<String, u32>,
+    /// Names of outputs.
+    pub outputs: Vec<String>,
+}
+
+impl Unpacked {
+    /// Unpacks a package and reads its description.
+    pub fn of(package: &Package) -> Unpacked {
+        let folder = tempfile::tempdir().unwrap();
+        package.unpack(folder.path()).unwrap();
+        let path = folder.path().join("modelDescription.xml");
+        let description = std::fs::read_to_string(path).unwrap();
+        let variables = description.lines().filter(|l| l.contains(" causality=\""));
+        let named = |l: &str| {
+            let reference = attribute(l, "valueReference")?.parse().ok()?;
+            Some((attribute(l, "name")?.to_owned(), reference))
+        };
+        let references = variables.clone().filter_map(named).collect();
+        let outputs = variables.filter(|l| l.contains("causality=\"output\""));
+        let outputs = outputs.filter_map(|l| Some(named(l)?.0)).collect();
+        Unpacked {
+            folder,
+            references,
+            outputs,
+            description,
+        }
+    }
+}
+
 /// An instance as used by a host.
 pub struct Fmu {
     instance: *mut c_void,
@@ -203,18 +237,12 @@ impl Drop for Fmu {
 impl Fmu {
     /// Unpacks and instantiates; `None` where the library refuses.
     pub fn try_new(package: &Package, exchange: bool, token: Option<&str>) -> Option<Fmu> {
-        let folder = tempfile::tempdir().unwrap();
-        package.unpack(folder.path()).unwrap();
-        let path = folder.path().join("modelDescription.xml");
-        let description = std::fs::read_to_string(path).unwrap();
-        let variables = description.lines().filter(|l| l.contains(" causality=\""));
-        let named = |l: &str| {
-            let reference = attribute(l, "valueReference")?.parse().ok()?;
-            Some((attribute(l, "name")?.to_owned(), reference))
-        };
-        let references = variables.clone().filter_map(named).collect();
-        let outputs = variables.filter(|l| l.contains("causality=\"output\""));
-        let outputs = outputs.filter_map(|l| Some(named(l)?.0)).collect();
+        let Unpacked {
+            folder,
+            description,
+            references,
+            outputs,
+        } = Unpacked::of(package);
         let token = token.unwrap_or(attribute(&description, "instantiationToken").unwrap());
         let resources = format!("{}/resources/", folder.path().display());
         let [token, resources] = [token, &resources].map(|s| CString::new(s).unwrap());

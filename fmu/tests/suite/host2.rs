@@ -1,6 +1,6 @@
 //! A host of FMUs of FMI 2 for tests: declarations of `fmi2Functions.h`, and an instance used through them.
 
-use crate::host::attribute;
+use crate::host::{Unpacked, attribute};
 use gearbench::fmu::package::Package;
 use gearbench_fmu::c::fmi2::common::{Callbacks, fmi2Instantiate};
 use std::cell::RefCell;
@@ -149,18 +149,12 @@ impl Drop for Fmu2 {
 impl Fmu2 {
     /// Unpacks and instantiates; `None` where the library refuses.
     pub fn try_new(package: &Package, exchange: bool, guid: Option<&str>) -> Option<Fmu2> {
-        let folder = tempfile::tempdir().unwrap();
-        package.unpack(folder.path()).unwrap();
-        let path = folder.path().join("modelDescription.xml");
-        let description = std::fs::read_to_string(path).unwrap();
-        let variables = description.lines().filter(|l| l.contains(" causality=\""));
-        let named = |l: &str| {
-            let reference = attribute(l, "valueReference")?.parse().ok()?;
-            Some((attribute(l, "name")?.to_owned(), reference))
-        };
-        let references = variables.clone().filter_map(named).collect();
-        let outputs = variables.filter(|l| l.contains("causality=\"output\""));
-        let outputs = outputs.filter_map(|l| Some(named(l)?.0)).collect();
+        let Unpacked {
+            folder,
+            description,
+            references,
+            outputs,
+        } = Unpacked::of(package);
         let guid = guid.unwrap_or(attribute(&description, "guid").unwrap());
         let resources = format!("file://{}/resources", folder.path().display());
         let [guid, resources] = [guid, &resources].map(|s| CString::new(s).unwrap());

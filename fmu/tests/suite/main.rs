@@ -45,7 +45,7 @@ fn packed(file: &SceneFile, model: &str, method: &str, moved: &[&str]) -> Packag
     packed_as(FmiVersion::Three, file, model, method, moved)
 }
 
-/// The same in a version of the standard.
+/// Packs a model in a version of the standard.
 fn packed_as(
     version: FmiVersion,
     file: &SceneFile,

@@ -70,7 +70,7 @@ const STUDIES: [(&str, &[&str]); 6] = [
     ),
 ];
 
-/// What came of a cell.
+/// The outcome of a cell.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Outcome {
     /// It ran, and its energy is explained.

@@ -44,7 +44,7 @@ property! {
 }
 
 property! {
-    /// What holds the first gear; the set of a carrier is another scene.
+    /// The mount of the first gear; planets on a carrier are a scene of their own.
     Mount {
         /// Both gears turn about fixed axes.
         Revolute = "revolute",
@@ -201,12 +201,7 @@ impl Combination {
             }
         }
         if self.axes == Axes::Misaligned {
-            first.misalignment_deg = Some(MisalignmentTable {
-                plane_of_action: Some(Degrees(0.02)),
-                across: None,
-                about: None,
-                angle: None,
-            });
+            first.misalignment_deg = Some(misaligned());
         }
         let bearing = |tilts: f64| BearingTable {
             stiffness: Some([2e8, 2e8, 1e8, tilts, tilts, 0.0]),
@@ -327,12 +322,7 @@ impl Combination {
         let mut sun = self.gear(TEETH[0], 1.0, thinned(turning(SPEED, TORQUE)));
         sun.position_m = centre;
         if self.axes == Axes::Misaligned {
-            sun.misalignment_deg = Some(MisalignmentTable {
-                plane_of_action: Some(Degrees(0.02)),
-                across: None,
-                about: None,
-                angle: None,
-            });
+            sun.misalignment_deg = Some(misaligned());
         }
         let ring = GearTable {
             internal: true,
@@ -472,6 +462,16 @@ fn turning(speed: f64, torque: f64) -> GearTable {
         speed_rad_s: Some(speed),
         loads: Some(vec![GearLoad::torque_nm(torque)]),
         ..GearTable::default()
+    }
+}
+
+/// The tilt of misaligned axes.
+fn misaligned() -> MisalignmentTable {
+    MisalignmentTable {
+        plane_of_action: Some(Degrees(0.02)),
+        across: None,
+        about: None,
+        angle: None,
     }
 }
 

@@ -49,7 +49,7 @@ pub struct ImportOptions {
 pub struct Import {
     /// Tables of the scene.
     pub scene: SceneTable,
-    /// What was taken, assumed and left.
+    /// Parts of the file that the import took, values that it assumed, and parts that it left.
     pub report: ImportReport,
     /// Difference between the centre distance of each stage and the one that its profile shifts give without backlash [m].
     pub distances: Vec<f64>,

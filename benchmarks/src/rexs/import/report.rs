@@ -1,4 +1,4 @@
-//! What an import took from a file, what it assumed, and what it left.
+//! The report of an import: parts of the file that it took, values that it assumed, and parts that it left.
 
 use std::collections::BTreeMap;
 
