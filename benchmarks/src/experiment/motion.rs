@@ -510,11 +510,7 @@ fn flank_displacements(
         .map(|z| scene.deformed_flanks(state.at(), gear, teeth, *z))
         .collect();
     for tooth in teeth {
-        let angle = match body.is_rack {
-            true => 0.0,
-            false => f64::from(*tooth) * body.pitch,
-        };
-        let (sin, cos) = angle.sin_cos();
+        let (sin, cos) = body.direction_of(i64::from(*tooth));
         let along = |f: &DeformedFlank| {
             let x = f.at_rest[f.at_rest.len() / 2];
             match body.is_rack {
@@ -551,11 +547,7 @@ fn flank_places(
     (gear, body): (usize, &ToothedBody),
     (tooth, heights): (u32, &[f64]),
 ) -> Vec<Vec<[f64; 2]>> {
-    let angle = match body.is_rack {
-        true => 0.0,
-        false => f64::from(tooth) * body.pitch,
-    };
-    let (sin, cos) = angle.sin_cos();
+    let (sin, cos) = body.direction_of(i64::from(tooth));
     let of = |height: &f64| {
         let mut flanks: Vec<Vec<[f64; 2]>> = scene
             .deformed_flanks(state.at(), gear, &[tooth], *height)

@@ -339,6 +339,14 @@ impl ToothedBody {
         Ok(self.heights_m.iter().enumerate().map(section).collect())
     }
 
+    /// Returns the sine and the cosine of the angle of a tooth from tooth 0; those of 0 for a rack.
+    pub fn direction_of(&self, tooth: i64) -> (f64, f64) {
+        match self.is_rack {
+            true => (0.0, 1.0),
+            false => (tooth as f64 * self.pitch).sin_cos(),
+        }
+    }
+
     /// Returns the closed outline of the whole body in the section at a place of the list, in its own frame \[m\]; of an
     /// internal gear first the rim, joined to the hole in the middle of a tooth space.
     ///

@@ -120,10 +120,7 @@ fn body_faces(
     };
     for tooth in 0..i64::from(body.teeth) {
         let number = tooth + body.first_tooth;
-        let (sin, cos) = match body.is_rack {
-            true => (0.0, 1.0),
-            false => (number as f64 * body.pitch).sin_cos(),
-        };
+        let (sin, cos) = body.direction_of(number);
         let by = if body.is_rack {
             number as f64 * body.pitch
         } else {
