@@ -14,7 +14,6 @@ fn main() -> Result<(), ReportError> {
     write_results(&dir.join("rotation"), &made_up::rotation_results())?;
     write_results(&dir.join("penalty"), &made_up::penalty_results())?;
     write_results(&dir.join("sweep"), &made_up::sweep_results())?;
-    write_results(&dir.join("coupling"), &made_up::coupling_results())?;
     write_results(&dir.join("identify"), &made_up::identify_results())?;
     Ok(())
 }

@@ -43,7 +43,7 @@ pub use studies::choose::{
     ReferenceDistance, Verdict,
 };
 pub use studies::{
-    StudyReport, check, compare as comparison, coupling, finding, identify, measured_lines, modes,
-    precision, response, run_up, runs, scan, stability, stiffness, sweep, tabular,
+    StudyReport, check, compare as comparison, finding, identify, measured_lines, modes, precision,
+    response, run_up, runs, scan, stability, stiffness, sweep, tabular,
 };
 pub use view::{metric_against, yardstick_of};

@@ -80,6 +80,9 @@ pub struct Combinations {
     /// Run the scenes under the integrators alone, without the studies
     #[arg(long)]
     pub without_studies: bool,
+    /// Examine the combinations with these words alone, separated by commas, such as helical,carrier,penalty
+    #[arg(long, value_name = "A,B", value_delimiter = ',')]
+    pub only: Vec<String>,
     /// Table to write; the list of reasons stands next to it
     #[arg(long, value_name = "FILE", default_value = "combinations.csv")]
     pub out: PathBuf,

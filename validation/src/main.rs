@@ -127,7 +127,15 @@ fn agree(context: &Context, args: &arguments::Agreement) -> Result<CommandResult
 /// Examines all combinations and writes their table, and the list of reasons next to it.
 fn combine(context: &Context, args: &arguments::Combinations) -> Result<CommandResult, Refusal> {
     let fail = |e: std::io::Error| Refusal::Files(format!("{}: {e}", args.out.display()));
-    let all = combinations::all();
+    let mut all = combinations::all();
+    all.retain(|of| of.has(&args.only));
+    if all.is_empty() {
+        return Err(Refusal::Input(miette::miette!(
+            help = "the words are those of the columns of the table, such as helical, elastic shaft, movable-teeth",
+            "no combination has all of: {}",
+            args.only.join(", ")
+        )));
+    }
     let folder = tempfile::tempdir().map_err(fail)?;
     let program = agreement::next_to_this();
     let studies = (!args.without_studies).then_some((program.as_path(), folder.path()));

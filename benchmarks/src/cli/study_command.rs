@@ -11,7 +11,7 @@ use crate::studies::check::{self, arguments::Check};
 use crate::studies::choose::{self, arguments::Choose};
 use crate::studies::compare::{self, arguments::Compare};
 use crate::studies::cost::Cost;
-use crate::studies::coupling::{self, arguments::Coupling};
+use crate::studies::coupling::Coupling;
 use crate::studies::identify::{self, arguments::Identify};
 use crate::studies::modes::{self, arguments::Modes};
 use crate::studies::penalty::Penalty;
@@ -100,14 +100,13 @@ studies! {
     "scan" in "Analyse": Scan(Box<Scan>) runs scan::command::run, writes run.output;
     /// Fit stiffness, tooth mass and time of first contact of the models to the scene's reference
     "identify" in "Data, meshes and other programs": Identify(Identify) runs identify::command::run, writes output;
-    /// Couple the gears to a host that moves their hubs: error, energy and stability over the communication step
-    "coupling" in "Data, meshes and other programs": Coupling(Coupling) runs coupling::command::run, writes run.output;
     /// Compare results, work and runtime of selected runs with a stored baseline, for CI
     "check" in "Keep and repeat": Check(Check) runs check::command::run, writes output;
     tables:
     "penalty" in "Compare and choose": Penalty;
     "cost" in "Compare and choose": Cost;
     "truncation" in "Compare and choose": Truncation;
+    "coupling" in "Data, meshes and other programs": Coupling;
 }
 
 impl Default for StudyCommand {

@@ -16,10 +16,11 @@ use super::record::{
 };
 use super::status::RunMonitor;
 use crate::context::Context;
-use crate::small_signals::assemble;
+use crate::small_signals::{Patience, assemble};
 use gearbench_integrators::modal::resonance::{resonances, safe_step};
 use gearbench_integrators::system::{SecondOrderSystem, State};
 use gearbench_integrators::{NullSink, Scheme, Sink, StepError, TimePlan, Work, integration_time};
+use gearbench_models::error::BuildError;
 use gearbench_models::scene::{Channel, OfMesh, Scene};
 use gearbench_models::spec::{Modelling, SceneSpec};
 use gearbench_reference::limits;
@@ -92,6 +93,15 @@ impl Job<'_> {
             .and(&self.pictures)
             .and(&(self.events, self.repeats))
             .and(&(self.timeout, self.max_steps))
+    }
+
+    /// Assembles the scene of the job in its initial state; a search for a loaded state is bounded as the run is.
+    ///
+    /// # Errors
+    /// [`BuildError`], also of a scene without such a state.
+    pub fn assemble(&self) -> Result<Scene, BuildError> {
+        let patience = Patience::of(&self.context.interruption, self.timeout);
+        assemble(self.scene, self.modelling, &self.context.models, &patience)
     }
 
     fn plan(&self) -> TimePlan<'_> {
@@ -173,7 +183,7 @@ pub fn run(job: &Job<'_>) -> Result<Run, RunError> {
 /// microseconds is too noisy.
 pub fn run_timed(job: &Job<'_>, together: Duration) -> Result<Run, RunError> {
     let started = Instant::now();
-    let mut scene = assemble(job.scene, job.modelling, &job.context.models)?;
+    let mut scene = job.assemble()?;
     let setup = started.elapsed();
     timed_in(job, &mut scene, setup, together)
 }

@@ -29,6 +29,12 @@ fn contact_lines_text(gear: &Body, mate: &Body, distance: f64) -> Option<String>
     })
 }
 
+/// The setting of the simulated time [s].
+pub fn simulated_time(duration: f64) -> (String, String) {
+    let text = format!("{} ms", short(duration * 1e3, 4));
+    ("simulated time".into(), text)
+}
+
 /// The settings of a scene for the report: geometry, positions, loads, models with the origin of their constants, and
 /// conventions of the stiffness.
 pub fn settings(
@@ -36,12 +42,8 @@ pub fn settings(
     choices: &[&ModelChoice],
     no_events: bool,
 ) -> Vec<(String, String)> {
-    let mut rows: Vec<(String, String)> = Vec::new();
+    let mut rows: Vec<(String, String)> = vec![simulated_time(scene.duration)];
     let mut row = |what: &str, value: String| rows.push((what.to_string(), value));
-    row(
-        "simulated time",
-        format!("{} ms", short(scene.duration * 1e3, 4)),
-    );
     for g in &scene.spec.gears {
         row(&format!("gear {}", g.name), gear_text(g));
     }

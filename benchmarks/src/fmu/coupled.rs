@@ -5,7 +5,7 @@
 
 use super::interface::Interface;
 use crate::scene_file::{ModelChoice, SceneError, SceneFile, did_you_mean};
-use crate::small_signals::assemble;
+use crate::small_signals::{Patience, assemble};
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{Load, Mount, Profile, SceneSpec, StationMember, initial_speed};
 
@@ -58,7 +58,8 @@ impl Coupled {
             move_by_host(&mut spec, name)?;
         }
         let loaded = load_all(&mut spec);
-        let scene = assemble(&spec, &choice.modelling, &file.context.models)
+        let patience = Patience::until(&file.context.interruption);
+        let scene = assemble(&spec, &choice.modelling, &file.context.models, &patience)
             .map_err(|e| file.locate_in(&choice.label, &e))?;
         let mut ports = Vec::new();
         for (member, gear) in scene.gears().iter().enumerate() {

@@ -29,6 +29,8 @@ pub enum Selection<'a> {
     All,
     /// Builds the models that [`SceneFile::select`] returns.
     Labels(Option<&'a str>),
+    /// Builds the models that [`SceneFile::select_reduced`] returns.
+    Reduced(Option<&'a str>),
     /// Builds no model: later building reports their errors.
     None,
     /// Builds the models that [`SceneFile::select_precision`] returns.
@@ -58,6 +60,7 @@ fn load_with(
         Selection::All => file.models.iter().collect(),
         Selection::None => Vec::new(),
         Selection::Labels(labels) => file.select(labels)?,
+        Selection::Reduced(labels) => file.select_reduced(labels)?,
         Selection::Precision(labels) => file.select_precision(labels)?,
     };
     let labels: Vec<&str> = chosen.iter().map(|m| m.label.as_str()).collect();

@@ -56,6 +56,16 @@ impl SceneFile {
         Ok(found)
     }
 
+    /// Selects models by their labels; `None` selects those of the study but for full finite elements.
+    ///
+    /// # Errors
+    /// [`SceneError`] as of [`SceneFile::select`].
+    pub fn select_reduced(&self, labels: Option<&str>) -> Result<Vec<&ModelChoice>, SceneError> {
+        let mut found = self.select(labels)?;
+        found.retain(|m| labels.is_some() || !self.properties_of(&m.model).full_order);
+        Ok(found)
+    }
+
     /// Selects the models of the study of accuracy against cost, which may have defaults of its own.
     ///
     /// # Errors

@@ -21,7 +21,7 @@
 //! resonance.
 
 use super::equilibrium::normal_forces;
-use super::{LoadedState, LoadedStateError, loaded};
+use super::{LoadedState, LoadedStateError, Patience, loaded};
 use gearbench_integrators::system::{Events, SecondOrderSystem, State};
 use gearbench_models::scene::{Scene, SceneGear};
 use gearbench_models::spec::{Body, SceneSpec};
@@ -393,8 +393,9 @@ pub fn running(
     scene: &mut Scene,
     spec: &SceneSpec,
     phases: usize,
+    patience: &Patience<'_>,
 ) -> Result<Running, LoadedStateError> {
-    let start = loaded(scene, true)?;
+    let start = loaded(scene, true, patience)?;
     let seen = scene.relative_state(&start.state);
     let frequencies = frequencies(scene, spec, &seen);
     if frequencies.iter().any(|f| *f <= 0.0) {
@@ -452,7 +453,7 @@ pub fn running(
             s.q.iter_mut().zip(&s.v).for_each(|(q, v)| *q += v * dt);
             cycle.scene.commit(&mut s);
             cycle.scene.start_from(s);
-            let found = loaded(cycle.scene, true)?;
+            let found = loaded(cycle.scene, true, patience)?;
             note(&mut cycle, &found);
             s = found.state;
         }

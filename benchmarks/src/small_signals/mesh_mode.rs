@@ -6,7 +6,7 @@
 
 use super::cycle::{PHASES, Resonance, mesh_mode_at, running};
 use super::motions::energies;
-use super::{LoadedState, LoadedStateError, has_loads, loaded, settled};
+use super::{LoadedState, LoadedStateError, Patience, has_loads, loaded, settled};
 use gearbench_integrators::system::{SecondOrderSystem, State};
 use gearbench_models::gear::table::{Model, properties_of};
 use gearbench_models::scene::{Scene, StrainIn};
@@ -114,7 +114,7 @@ pub fn mesh_mode(
                 "not computed: {n} coordinates, more than {FEW}; `gearbench modes` permits more"
             )));
         }
-        _ => loaded(&mut scene, true),
+        _ => loaded(&mut scene, true, &Patience::ENDLESS),
     };
     let mode = mesh_mode_of(label, (&spec, &mut scene), found.as_ref(), motion_of);
     let of_cycle = resonance(&mut scene, &spec, over_cycle);
@@ -137,6 +137,6 @@ pub fn resonance(scene: &mut Scene, spec: &SceneSpec, most: usize) -> Option<Res
     if scene.layout().n > most {
         return None;
     }
-    let running = running(scene, spec, PHASES).ok()?;
+    let running = running(scene, spec, PHASES, &Patience::ENDLESS).ok()?;
     running.cycles.first()?.resonance()
 }

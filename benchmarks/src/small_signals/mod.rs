@@ -25,11 +25,14 @@ pub mod stated_damping;
 pub use admissible_motions::{AdmissibleMotions, Modes};
 pub use equilibrium::{LoadedState, loaded};
 
+use crate::experiment::interruption::Interruption;
+use gearbench_integrators::clock::processor_time;
 use gearbench_integrators::system::SecondOrderSystem;
 use gearbench_models::error::{BuildError, MeshPart};
 use gearbench_models::gear::table::Model;
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{Load, Modelling, Mount, Profile, SceneSpec, StationMember};
+use std::time::Duration;
 
 /// Largest number of coordinates of a scene, as its matrices are dense.
 pub const MOST: usize = 1500;
@@ -58,11 +61,61 @@ pub enum LoadedStateError {
     /// The user interrupted the search.
     #[error("interrupted")]
     Interrupted,
+    /// The search exceeded its bound of processor time [s].
+    #[error(
+        "its search takes more than {0} s, the bound of processor time of a run; allow more with `--timeout`"
+    )]
+    TooLong(f64),
     /// The scene has too many coordinates.
     #[error(
         "it has {0} coordinates, but dense matrices have at most {MOST}; use elastic gears with fewer modes"
     )]
     TooLarge(usize),
+}
+
+/// Bounds of a search for a loaded state.
+#[derive(Clone, Copy, Debug)]
+pub struct Patience<'a> {
+    /// The request of the user that the search ends.
+    pub interruption: Option<&'a Interruption>,
+    /// Bound of processor time.
+    pub limit: Duration,
+    started: Option<Duration>,
+}
+
+impl<'a> Patience<'a> {
+    /// A search without bounds.
+    pub const ENDLESS: Patience<'static> = Patience {
+        interruption: None,
+        limit: Duration::MAX,
+        started: None,
+    };
+
+    /// A search that begins now, within a bound of processor time.
+    pub fn of(interruption: &'a Interruption, limit: Duration) -> Self {
+        Patience {
+            interruption: Some(interruption),
+            limit,
+            started: processor_time(),
+        }
+    }
+
+    /// A search that ends where the user requests it.
+    pub fn until(interruption: &'a Interruption) -> Self {
+        Self::of(interruption, Duration::MAX)
+    }
+
+    /// Returns an error once the search is to end.
+    fn check(&self) -> Result<(), LoadedStateError> {
+        if self.interruption.is_some_and(Interruption::is_requested) {
+            return Err(LoadedStateError::Interrupted);
+        }
+        let spent = self.started.zip(processor_time());
+        match spent.is_some_and(|(from, now)| now.saturating_sub(from) > self.limit) {
+            true => Err(LoadedStateError::TooLong(self.limit.as_secs_f64())),
+            false => Ok(()),
+        }
+    }
 }
 
 /// The scene with constant loads and motions, equal to their final values.
@@ -109,6 +162,7 @@ pub fn assemble(
     spec: &SceneSpec,
     modelling: &Modelling,
     models: &[Model],
+    patience: &Patience<'_>,
 ) -> Result<Scene, BuildError> {
     let mut scene = Scene::build(spec, modelling, models)?;
     let Some(mesh) = spec.starts_loaded() else {
@@ -133,7 +187,7 @@ pub fn assemble(
     let found = match scene.layout().n {
         0 => Err(LoadedStateError::Matrices("nothing in it can move")),
         n if n > MOST => Err(LoadedStateError::TooLarge(n)),
-        _ => loaded(&mut scene, true),
+        _ => loaded(&mut scene, true, patience),
     };
     match found {
         Ok(found) if found.pressed.iter().all(|f| *f == 0.0) => refuse(

@@ -15,21 +15,26 @@ use crate::experiment::conditions::Conditions;
 use crate::experiment::configuration::Configuration;
 use crate::experiment::decimation::decimate_run;
 use crate::experiment::error::StudyError;
+use crate::experiment::parallel::{in_parallel, lock};
 use crate::experiment::reference_series::recorded;
 use crate::experiment::run::Job;
 use crate::experiment::runner::Runner;
-use crate::experiment::settings::settings;
+use crate::experiment::settings::{settings, simulated_time};
 use crate::messages::Messages;
 use crate::scene_file::{self, ModelChoice, RefusedModel, SceneFile, Selection};
 use gearbench_integrators::Scheme;
 use gearbench_reports::Format;
 use gearbench_reports::columns::Columns;
 use gearbench_reports::record::{Part, ReferenceSeries, Results, Run, Status};
-use gearbench_reports::tabular::{MESSAGE, MODEL, STATUS, TableChart, TableRow, TabularRecord};
+use gearbench_reports::tabular::{
+    MESSAGE, MODEL, STATUS, SummaryTable, TableChart, TableRow, TabularRecord,
+};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
-use std::collections::VecDeque;
+use std::collections::{BTreeMap, VecDeque};
 use std::fmt::Debug;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// A cell of a study: a configuration under an integrator, at the values that the study varies.
 #[derive(Clone, Debug)]
@@ -58,14 +63,18 @@ pub struct Measured<S: TabularStudy> {
 
 /// Earlier cells and references of the scene, with which a cell is compared when it is measured.
 pub struct Others<'a, S: TabularStudy> {
-    /// Cells that were measured before.
+    /// Cells outside of all lines, for a cell of a line.
+    pub common: &'a [Measured<S>],
+    /// Cells that were measured before, of its line for a cell of a line.
     pub rows: &'a [Measured<S>],
     /// References of the scene, if the study compares with them ([`TabularStudy::compared`]).
     pub references: &'a [ReferenceSeries],
 }
 
 /// A study whose results are one table.
-pub trait TabularStudy: Sized + 'static {
+///
+/// Cells of a line run one after another, lines side by side ([`TabularStudy::line`]).
+pub trait TabularStudy: Sized + Sync + 'static {
     /// Name of the command, of the folder and of the CSV file.
     const NAME: &'static str;
     /// Sentence on the rows of the table.
@@ -75,9 +84,9 @@ pub trait TabularStudy: Sized + 'static {
     /// The exit code of a record.
     const EXIT: fn(&Results) -> Exit = Exit::of_every_run;
     /// Values that the study varies.
-    type At: Clone + Debug;
+    type At: Clone + Debug + Send + Sync;
     /// Quantities of a cell that are not quantities of its run.
-    type Row: Default + Serialize + DeserializeOwned;
+    type Row: Default + Serialize + DeserializeOwned + Send + Sync;
 
     /// The scene, by name or path.
     fn scene(&self) -> &str;
@@ -88,6 +97,21 @@ pub trait TabularStudy: Sized + 'static {
     /// Number of timed repeats of each run.
     fn repeats(&self) -> u32 {
         1
+    }
+
+    /// The line of a cell. Lines run in threads of their own, after the cells of no line.
+    fn line(_at: &Self::At) -> Option<usize> {
+        None
+    }
+
+    /// Number of lines that run at the same time.
+    fn threads(&self) -> usize {
+        1
+    }
+
+    /// Simulated time of the runs [s].
+    fn duration(&self, scene: &SceneFile) -> f64 {
+        scene.duration
     }
 
     /// How the references of the scene are taken, for a study that compares with them; contact events are located then.
@@ -117,9 +141,14 @@ pub trait TabularStudy: Sized + 'static {
         others: &Others<'_, Self>,
     ) -> Result<(Run, Self::Row), StudyError>;
 
-    /// Returns a further cell that the results so far ask for, as a search does.
+    /// Returns a further cell that the results of a line, or of the cells of no line, ask for, as a search does.
     fn next(&self, _rows: &[Measured<Self>]) -> Option<Cell<Self::At>> {
         None
+    }
+
+    /// Returns tables that sum the rows up.
+    fn summaries(&self, _rows: &[&Measured<Self>]) -> Vec<SummaryTable> {
+        Vec::new()
     }
 
     /// Compares the cells with each other, and returns the histories that charts show as their references.
@@ -178,6 +207,7 @@ pub fn run<S: TabularStudy + Clone>(
         command: command.to_string(),
         repeats: args.repeats(),
         timeout: options.timeout(),
+        duration: args.duration(&scene),
         events: scene.study.events || args.compared().is_some(),
         ..Conditions::of(&scene).compared_with(&scene.spec, &references)
     };
@@ -194,50 +224,45 @@ pub fn run<S: TabularStudy + Clone>(
     )
 }
 
-fn study<S: TabularStudy>(
+/// Runs the cells of a study, and returns its record.
+///
+/// # Errors
+/// [`StudyError`]; runs that fail are rows.
+pub(crate) fn study<S: TabularStudy>(
     args: &S,
     conditions: &Conditions,
     (scene, references): (&SceneFile, Vec<ReferenceSeries>),
     cells: Vec<Cell<S::At>>,
     runner: &Runner<'_>,
 ) -> Result<Results, StudyError> {
-    let grid = conditions.grid();
-    let mut rows: Vec<Measured<S>> = Vec::with_capacity(cells.len());
-    let mut open = VecDeque::from(cells);
-    loop {
-        // Results that an interruption prevented ask for nothing.
-        let further = || {
-            let stopped = (rows.last()).is_some_and(|r| r.run.status == Status::Interrupted);
-            (!stopped).then(|| args.next(&rows)).flatten()
-        };
-        let Some(cell) = open.pop_front().or_else(further) else {
-            break;
-        };
-        let what = format!("{}, {}", cell.configuration.label, cell.name);
-        runner.report_progress(rows.len(), rows.len() + open.len() + 1, &what);
-        let of = (&cell.configuration.scene, &cell.configuration.modelling);
-        let job = Job {
-            histories: true,
-            ..conditions.job(of, &cell.method, &grid)
-        };
-        let mut key = job.key().and(&(S::NAME, &cell.at));
-        if !references.is_empty() {
-            key = key.and(&references);
-        }
-        let others = Others {
-            rows: &rows,
-            references: &references,
-        };
-        let make = || args.measure(&cell, &job, &others);
-        let (mut run, row) = runner.row_with(key, &cell.method, make)?;
-        run.end_s = Some(job.t_end);
-        cell.configuration.sign(&mut run);
-        run.variant = cell.variant.clone().or(run.variant);
-        runner.reserve_memory(&run);
-        rows.push(Measured { cell, run, row });
+    let driver = Driver {
+        args,
+        conditions,
+        grid: conditions.grid(),
+        references: &references,
+        runner,
+        begun: AtomicUsize::new(0),
+        count: AtomicUsize::new(cells.len()),
+    };
+    let (of_lines, common): (Vec<_>, Vec<_>) =
+        (cells.into_iter()).partition(|cell| S::line(&cell.at).is_some());
+    let mut lines: BTreeMap<Option<usize>, Vec<Cell<S::At>>> = BTreeMap::new();
+    for cell in of_lines {
+        lines.entry(S::line(&cell.at)).or_default().push(cell);
+    }
+    let lines: Vec<Vec<Cell<S::At>>> = lines.into_values().collect();
+    let mut rows = driver.sequence(common, &[])?;
+    let of_line: Vec<Mutex<Vec<Measured<S>>>> = lines.iter().map(|_| Mutex::default()).collect();
+    let places: Vec<usize> = (0..lines.len()).collect();
+    in_parallel(args.threads(), &places, |&i| {
+        *lock(&of_line[i]) = driver.sequence(lines[i].clone(), &rows)?;
+        Ok::<_, StudyError>(())
+    })?;
+    for made in of_line {
+        rows.append(&mut lock(&made));
     }
     let mut compared = args.compare(&mut rows);
-    compared.extend(references);
+    compared.extend_from_slice(&references);
     for row in &mut rows {
         decimate_run(&mut row.run, &[]);
     }
@@ -246,6 +271,9 @@ fn study<S: TabularStudy>(
     let is_run = |m: &&ModelChoice| rows.iter().any(|r| r.cell.configuration.label == m.label);
     let chosen: Vec<&ModelChoice> = scene.models.iter().filter(is_run).collect();
     let mut settings = settings(scene, &chosen, false);
+    let time = simulated_time(conditions.duration);
+    (settings.iter_mut().filter(|(what, _)| *what == time.0))
+        .for_each(|row| row.1.clone_from(&time.1));
     settings.extend(args.settings(scene));
     Ok(Results {
         references: compared,
@@ -253,6 +281,73 @@ fn study<S: TabularStudy>(
         runs: rows.into_iter().map(|row| row.run).collect(),
         ..conditions.record(Part::Tabular(table))
     })
+}
+
+/// What the cells of a study share while they run.
+struct Driver<'a, S> {
+    args: &'a S,
+    conditions: &'a Conditions,
+    grid: Vec<f64>,
+    references: &'a [ReferenceSeries],
+    runner: &'a Runner<'a>,
+    /// Number of cells that have begun.
+    begun: AtomicUsize,
+    /// Number of cells that are known so far.
+    count: AtomicUsize,
+}
+
+impl<S: TabularStudy> Driver<'_, S> {
+    /// Runs cells one after another, and those that their results ask for.
+    fn sequence(
+        &self,
+        cells: Vec<Cell<S::At>>,
+        common: &[Measured<S>],
+    ) -> Result<Vec<Measured<S>>, StudyError> {
+        let mut rows: Vec<Measured<S>> = Vec::with_capacity(cells.len());
+        let mut open = VecDeque::from(cells);
+        loop {
+            // Results that an interruption prevented ask for nothing.
+            let further = || {
+                let stopped = (rows.last()).is_some_and(|r| r.run.status == Status::Interrupted);
+                let found = (!stopped).then(|| self.args.next(&rows)).flatten();
+                found.inspect(|_| {
+                    self.count.fetch_add(1, Ordering::Relaxed);
+                })
+            };
+            let Some(cell) = open.pop_front().or_else(further) else {
+                return Ok(rows);
+            };
+            let others = Others {
+                common,
+                rows: &rows,
+                references: self.references,
+            };
+            let row = self.cell(cell, &others)?;
+            rows.push(row);
+        }
+    }
+
+    fn cell(&self, cell: Cell<S::At>, others: &Others<'_, S>) -> Result<Measured<S>, StudyError> {
+        let what = format!("{}, {}", cell.configuration.label, cell.name);
+        let begun = self.begun.fetch_add(1, Ordering::Relaxed);
+        (self.runner).report_progress(begun, self.count.load(Ordering::Relaxed), &what);
+        let of = (&cell.configuration.scene, &cell.configuration.modelling);
+        let job = Job {
+            histories: true,
+            ..self.conditions.job(of, &cell.method, &self.grid)
+        };
+        let mut key = job.key().and(&(S::NAME, &cell.at));
+        if !self.references.is_empty() {
+            key = key.and(&self.references);
+        }
+        let make = || self.args.measure(&cell, &job, others);
+        let (mut run, row) = self.runner.row_with(key, &cell.method, make)?;
+        run.end_s = Some(job.t_end);
+        cell.configuration.sign(&mut run);
+        run.variant = cell.variant.clone().or(run.variant);
+        self.runner.reserve_memory(&run);
+        Ok(Measured { cell, run, row })
+    }
 }
 
 /// Returns the table of the cells, with finding and charts.
@@ -277,6 +372,7 @@ fn table<S: TabularStudy>(args: &S, scene: &SceneFile, rows: &[Measured<S>]) -> 
         rows: (finished.iter().map(|f| columns.recorded_row(f)))
             .chain(scene.refused.iter().map(of_refused))
             .collect(),
+        summaries: args.summaries(&finished),
         remark: S::REMARK.into(),
         charts: args.charts(),
         ..TabularRecord::default()

@@ -54,7 +54,7 @@ STUDIES = {
     "run-up": "RunUpResult",
     "scan": "ScanResult",
     "identify": "IdentifyResult",
-    "coupling": "CouplingResult",
+    "coupling": "TabularResult",
     "penalty": "TabularResult",
     "cost": "TabularResult",
     "check": "CheckResult",

@@ -11,7 +11,7 @@ use gearbench::experiment::configuration::Configuration;
 use gearbench::experiment::parallel::lock;
 use gearbench::experiment::run::{Job, RunError, bare, run_in, run_with_observer};
 use gearbench::scene_file::{SceneFile, Selection, load_for};
-use gearbench::small_signals::assemble;
+use gearbench::small_signals::{Patience, assemble};
 use gearbench_integrators::{AcceptedStep, Control, Scheme, Sink, system::SecondOrderSystem};
 use gearbench_models::scene::Scene;
 use gearbench_reports::record::Run;
@@ -310,8 +310,9 @@ impl Simulation {
     fn build(&self) -> Result<BuiltScene, RunError> {
         let begin = Instant::now();
         let (spec, modelling) = (&self.entry.scene, &self.entry.modelling);
-        let scene =
-            (self.context.resources).within(|| assemble(spec, modelling, &self.context.models))?;
+        let patience = Patience::until(&self.context.interruption);
+        let scene = (self.context.resources)
+            .within(|| assemble(spec, modelling, &self.context.models, &patience))?;
         Ok(BuiltScene {
             number: self.number,
             scene,

@@ -6,7 +6,6 @@
 pub mod check;
 pub mod choose;
 pub mod compare;
-pub mod coupling;
 pub mod identify;
 mod mesh_modes;
 pub mod modes;
@@ -56,8 +55,6 @@ words! {
         Modes = "modes",
         /// Frequency response to the passing of teeth.
         Response = "response",
-        /// Gears whose hubs a host moves, over the communication step.
-        Coupling = "coupling",
         /// Spectra and orders over the speed of a run-up.
         RunUp = "run-up",
         /// Static mesh stiffness, load sharing and transmission error over a mesh cycle.
@@ -92,8 +89,6 @@ pub enum Part {
     Modes(modes::ModesRecord),
     /// Part of a record of [`Study::Response`].
     Response(response::ResponseRecord),
-    /// Part of a record of [`Study::Coupling`].
-    Coupling(coupling::CouplingRecord),
     /// Part of a record of [`Study::RunUp`].
     RunUp(run_up::RunUpRecord),
     /// Part of a record of [`Study::Stiffness`].
@@ -123,7 +118,6 @@ impl Part {
             Part::Identify(_) => Study::Identify,
             Part::Modes(_) => Study::Modes,
             Part::Response(_) => Study::Response,
-            Part::Coupling(_) => Study::Coupling,
             Part::RunUp(_) => Study::RunUp,
             Part::Stiffness(_) => Study::Stiffness,
             Part::Scan(_) => Study::Scan,
@@ -155,14 +149,13 @@ impl Part {
                 each("fits", &part.fits, identify::FitRecord::validate)?;
                 each("histories", &part.histories, |h| h.series.validate())
             }
-            Part::Compare(_) | Part::Precision(_) | Part::Check(_) | Part::Coupling(_) => Ok(()),
+            Part::Compare(_) | Part::Precision(_) | Part::Check(_) => Ok(()),
         }
     }
 
     /// Removes all numbers that are not finite.
     pub(crate) fn keep_finite(&mut self) {
         match self {
-            Part::Coupling(part) => part.keep_finite(),
             Part::Sweep(part) => part.statics.retain(sweep::StaticCycle::is_finite),
             Part::Scan(part) => part.keep_finite(),
             Part::Tabular(part) => part.keep_finite(),
@@ -211,7 +204,6 @@ pub(crate) fn files() -> Vec<FileDescription> {
         run_up::csv::orders(&run_up::csv::PLACEHOLDERS).described(),
         run_up::csv::spectra(&run_up::csv::PLACEHOLDERS).described(),
         run_up::csv::order_spectra(&run_up::csv::PLACEHOLDERS).described(),
-        coupling::csv::columns().described(),
         scan::csv::cells(),
         scan::csv::times_of_cells(),
         scan::csv::statistics().described(),
@@ -292,7 +284,6 @@ fn of_views(views: &[View<'_>]) -> Result<StudyReport, DrawError> {
         Part::Identify(part) => identify::report(part),
         Part::Modes(part) => modes::report(&part.vibrations),
         Part::Response(part) => response::report(&part.responses),
-        Part::Coupling(part) => coupling::report(view, &part.couplings),
         Part::RunUp(part) => run_up::report(view, &part.run_ups),
         Part::Stiffness(part) => stiffness::report(&part.stiffness),
         Part::Scan(part) => scan::report(part),

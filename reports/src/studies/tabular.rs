@@ -15,7 +15,7 @@ use crate::drawing::panel::{Curve, Panel, chart, extremes};
 use crate::drawing::style::curve_style;
 use crate::markup::column::{Format, Rank};
 use crate::markup::table::{Table, common_prefix};
-use crate::markup::{glance, note, prose, runs};
+use crate::markup::{glance, note, prose, runs, section};
 use crate::numbers::short;
 use crate::record::Status;
 use crate::record::checks::each;
@@ -49,6 +49,9 @@ pub struct TabularRecord {
     pub columns: Vec<TableColumn>,
     /// Rows of the table, failed ones included.
     pub rows: Vec<TableRow>,
+    /// Tables that sum the rows up, which stand before them.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub summaries: Vec<SummaryTable>,
     /// Key of the column by which rows are grouped; empty for that of models.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub grouped_by: String,
@@ -58,6 +61,33 @@ pub struct TabularRecord {
     /// Charts over columns of the table.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub charts: Vec<TableChart>,
+}
+
+/// A table that sums up rows of the study, one row for each series of them.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub struct SummaryTable {
+    /// Title of the table.
+    pub title: String,
+    /// Columns of the table.
+    pub columns: Vec<TableColumn>,
+    /// Rows of the table.
+    pub rows: Vec<TableRow>,
+    /// Remark below the table.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub remark: String,
+}
+
+impl SummaryTable {
+    /// Returns a table of some rows.
+    pub fn of<R>(title: &str, columns: &Columns<'_, R>, rows: &[R], remark: &str) -> Self {
+        Self {
+            title: title.into(),
+            columns: columns.recorded(),
+            rows: rows.iter().map(|r| columns.recorded_row(r)).collect(),
+            remark: remark.into(),
+        }
+    }
 }
 
 /// A column of the table.
@@ -125,6 +155,16 @@ pub struct TableChart {
     pub abscissa: String,
     /// Keys of the columns of ordinates.
     pub ordinates: Vec<String>,
+    /// Key of a column of which each value has panels of its own; empty for common panels.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub panels_by: String,
+    /// Least and greatest ordinate, at which values beyond are drawn; in the units of the columns.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub within: Option<[f64; 2]>,
+    /// Key of a column, in the unit of the abscissae, at whose values vertical lines stand in the colours of their
+    /// groups; empty for none.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub verticals: String,
     /// True if magnitudes are drawn, as for deviations.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub magnitudes: bool,
@@ -180,11 +220,20 @@ impl TabularRecord {
             let unknown = row.0.keys().find(|key| self.column(key).is_none());
             unknown.map_or(Ok(()), |key| Err(format!("there is no column `{key}`")))
         })?;
+        each("summaries", &self.summaries, |table| {
+            let known = |key: &String| table.columns.iter().any(|c| c.key == *key);
+            let unknown = table.rows.iter().flat_map(|row| row.0.keys());
+            let unknown = unknown.into_iter().find(|key| !known(key));
+            unknown.map_or(Ok(()), |key| Err(format!("there is no column `{key}`")))
+        })?;
         each("charts", &self.charts, |c| {
             let marks = Some(&c.marks).filter(|key| !key.is_empty());
             let grouped = Some(&self.grouped_by).filter(|key| !key.is_empty());
             let marks = marks.into_iter().chain(grouped);
-            for key in c.ordinates.iter().chain([&c.abscissa]).chain(marks) {
+            let further = [&c.panels_by, &c.verticals];
+            let further = further.into_iter().filter(|key| !key.is_empty());
+            let further = further.chain(marks).chain([&c.abscissa]);
+            for key in c.ordinates.iter().chain(further) {
                 if self.column(key).is_none() {
                     return Err(format!("there is no column `{key}`"));
                 }
@@ -195,7 +244,8 @@ impl TabularRecord {
 
     /// Removes all numbers that are not finite.
     pub(crate) fn keep_finite(&mut self) {
-        for row in &mut self.rows {
+        let summaries = self.summaries.iter_mut().flat_map(|t| &mut t.rows);
+        for row in self.rows.iter_mut().chain(summaries) {
             row.0
                 .retain(|_, x| !matches!(x, Value::Number(x) if !x.is_finite()));
         }
@@ -207,18 +257,7 @@ impl TabularRecord {
 
     /// The declaration of the columns, whose values are those of the rows.
     fn declared(&self) -> Columns<'_, &TableRow> {
-        let file = format!("{}.csv", self.name);
-        let mut all = Columns::of(&file, &self.rows_are);
-        for c in &self.columns {
-            all = all.add(&c.key, &c.meaning, |row: &&TableRow| row.value(&c.key));
-            if !c.heading.is_empty() {
-                all = all.shown(&c.heading, c.format.clone());
-            }
-            if let Some(column) = all.all.last_mut() {
-                column.rank = c.rank;
-            }
-        }
-        all
+        declared(&format!("{}.csv", self.name), &self.rows_are, &self.columns)
     }
 
     /// Returns the rows as values of a type whose fields are columns.
@@ -250,16 +289,30 @@ impl TabularRecord {
         all
     }
 
-    fn table(&self) -> Table<'_, TableRow> {
+    /// The table of some rows under a declaration of their columns, in the groups of the study.
+    fn table_of<'r>(
+        &self,
+        rows: &'r [TableRow],
+        declared: &Columns<'_, &'r TableRow>,
+    ) -> Table<'r, TableRow> {
         let groups = self.groups();
         let style = |row: &TableRow| {
             let place = groups.iter().position(|g| *g == self.group(row));
             (self.group(row).to_owned(), place.unwrap_or(0))
         };
-        Table::of(&self.rows)
+        Table::of(rows)
             .grouped(style)
             .classed(|row| if row.failed() { "failed" } else { "" })
-            .columns(&self.declared(), Some)
+            .columns(declared, Some)
+    }
+
+    fn table(&self) -> Table<'_, TableRow> {
+        self.table_of(&self.rows, &self.declared())
+    }
+
+    fn summary<'r>(&self, summary: &'r SummaryTable) -> Table<'r, TableRow> {
+        let declared = declared("", "", &summary.columns);
+        self.table_of(&summary.rows, &declared)
     }
 
     /// Returns the description of the file with the table.
@@ -267,14 +320,37 @@ impl TabularRecord {
         self.declared().described()
     }
 
-    /// Returns the columns with keys and results as lines for a terminal.
+    /// Returns the columns with keys and results as lines for a terminal: those of the summaries, if there are any.
     pub fn lines(&self) -> Vec<String> {
-        self.table().lines()
+        match self.summaries.is_empty() {
+            true => self.table().lines(),
+            false => {
+                let of = |t: &SummaryTable| self.summary(t).lines();
+                self.summaries.iter().flat_map(of).collect()
+            }
+        }
     }
 
     fn charts(&self) -> Result<Vec<Chart>, DrawError> {
         let charts = self.charts.iter().map(|c| self.chart(c));
         charts.filter_map(Result::transpose).collect()
+    }
+
+    /// The ordinate of each panel of a chart, and the value that its rows share, if panels have rows of their own.
+    fn panels<'s>(&'s self, spec: &'s TableChart) -> Vec<(&'s str, Option<&'s str>)> {
+        let mut values: Vec<Option<&str>> = Vec::new();
+        for row in &self.rows {
+            let value = Some(row.text(&spec.panels_by)).filter(|text| !text.is_empty());
+            if value.is_some() && !values.contains(&value) {
+                values.push(value);
+            }
+        }
+        if spec.panels_by.is_empty() {
+            values = vec![None];
+        }
+        let of =
+            |value: Option<&'s str>| spec.ordinates.iter().map(move |key| (key.as_str(), value));
+        values.into_iter().flat_map(of).collect()
     }
 
     fn chart(&self, spec: &TableChart) -> Result<Option<Chart>, DrawError> {
@@ -286,29 +362,47 @@ impl TabularRecord {
         };
         let groups = self.groups();
         let mut panels: Vec<Panel> = Vec::new();
-        let mut has_limits = false;
-        for key in &spec.ordinates {
+        let (mut has_limits, mut has_verticals) = (false, false);
+        for (key, own_panel) in self.panels(spec) {
             let Some(ordinate) = Quantity::of(self, key, spec.magnitudes) else {
                 continue;
             };
+            let drawn = |r: &TableRow| {
+                let [low, high] = spec.within.map_or([f64::MIN, f64::MAX], |within| {
+                    within.map(|y| ordinate.factor * y)
+                });
+                Some(ordinate.of_row(r)?.clamp(low, high))
+            };
             let mut curves = Vec::new();
             for (style, group) in groups.iter().enumerate() {
-                let own = || self.rows.iter().filter(|r| self.group(r) == *group);
+                let in_panel = |r: &&TableRow| match own_panel {
+                    Some(value) => r.text(&spec.panels_by) == value,
+                    None => true,
+                };
+                let own = || {
+                    let of_group = self.rows.iter().filter(|r| self.group(r) == *group);
+                    of_group.filter(in_panel)
+                };
                 let (failed, held): (Vec<_>, Vec<_>) = own().partition(|r| r.failed());
                 let is_limit =
                     |r: &&&TableRow| abscissa.of_row(r).is_none() && !spec.limit.is_empty();
-                for limit in held
-                    .iter()
-                    .filter(is_limit)
-                    .filter_map(|r| ordinate.of_row(r))
-                {
+                for limit in held.iter().filter(is_limit).filter_map(|r| drawn(r)) {
                     has_limits = true;
                     let stroke = Stroke::new(Ink::DARK, 1.4);
                     curves.push(Curve::line(stroke, vec![(x.min, limit), (x.max, limit)]));
                 }
-                let point = |r: &&TableRow| Some((abscissa.of_row(r)?, ordinate.of_row(r)?));
+                let point = |r: &&TableRow| Some((abscissa.of_row(r)?, drawn(r)?));
                 let mut points: Vec<(f64, f64)> = held.iter().filter_map(point).collect();
                 points.sort_by(|a, b| a.0.total_cmp(&b.0));
+                let vertical = own().find_map(|r| r.number(&spec.verticals));
+                let vertical = vertical.map(|at| abscissa.factor * at);
+                let is_shown = |at: &f64| (x.min..=x.max).contains(at) && !points.is_empty();
+                if let Some(at) = vertical.filter(is_shown) {
+                    has_verticals = true;
+                    let (low, high) = extremes(points.iter().map(|p| p.1));
+                    let stroke = Stroke::dashed(curve_style(style).ink, 1.3, &[2.0, 3.0]);
+                    curves.push(Curve::line(stroke, vec![(at, low), (at, high)]));
+                }
                 let failed = failed.into_iter().filter_map(|r| abscissa.of_row(r));
                 let curve = match spec.points {
                     true => Curve::points(curve_style(style), 4.2, true, points),
@@ -321,7 +415,7 @@ impl TabularRecord {
             }
             let level = |level: &f64| (ordinate.factor * level, ordinate.level_text(*level));
             let marked = |r: &TableRow| {
-                let at = (abscissa.of_row(r)?, ordinate.of_row(r)?);
+                let at = (abscissa.of_row(r)?, drawn(r)?);
                 let name = r.0.get(&spec.marks)?.as_text()?.to_owned();
                 (!r.failed()).then_some((at, name))
             };
@@ -330,6 +424,9 @@ impl TabularRecord {
                 marks: self.rows.iter().filter_map(marked).collect(),
                 ..Panel::new(170.0, &x, &ordinate.name).curves(curves)
             };
+            if let Some(value) = own_panel {
+                panel.remark = value.to_owned();
+            }
             let (low, high) = panel.ordinates();
             // The limit of the curves counts, not zero; markers stay inside of the frame.
             panel.y = axis_over([low, high].into_iter(), MARGIN);
@@ -350,9 +447,28 @@ impl TabularRecord {
         if has_limits {
             legend.push(Entry::line(&spec.limit, Stroke::new(Ink::DARK, 1.4)));
         }
+        if has_verticals && let Some(column) = self.column(&spec.verticals) {
+            let stroke = Stroke::dashed(Ink::GREY, 1.3, &[2.0, 3.0]);
+            legend.push(Entry::line(&column.heading, stroke));
+        }
         let file = format!("{}.svg", spec.file);
         chart(&file, &spec.title, &spec.caption, &legend, &panels).map(Some)
     }
+}
+
+/// The declaration of the columns of a recorded table, whose values are those of its rows.
+fn declared<'c>(file: &str, rows: &str, columns: &'c [TableColumn]) -> Columns<'c, &'c TableRow> {
+    let mut all = Columns::of(file, rows);
+    for c in columns {
+        all = all.add(&c.key, &c.meaning, |row: &&TableRow| row.value(&c.key));
+        if !c.heading.is_empty() {
+            all = all.shown(&c.heading, c.format.clone());
+        }
+        if let Some(column) = all.all.last_mut() {
+            column.rank = c.rank;
+        }
+    }
+    all
 }
 
 /// A column as an axis shows it: its name with unit and the factor of its values.
@@ -426,9 +542,22 @@ pub(super) fn axis_over(values: impl Iterator<Item = f64>, factor: f64) -> Optio
 pub(super) fn report(view: &View<'_>, record: &TabularRecord) -> Result<StudyReport, DrawError> {
     let mut charts = record.charts()?;
     charts.extend(histories::force(std::slice::from_ref(view))?);
-    let content = html! {
-        (record.table())
-        @if !record.remark.is_empty() { (note(prose(&record.remark))) }
+    let with_remark = |table: Table<'_, TableRow>, remark: &str| {
+        html! {
+            (table)
+            @if !remark.is_empty() { (note(prose(remark))) }
+        }
+    };
+    let rows = with_remark(record.table(), &record.remark);
+    let heading = capital(&record.rows_are);
+    let summaries = record.summaries.iter();
+    let summaries =
+        summaries.map(|t| (t.title.as_str(), with_remark(record.summary(t), &t.remark)));
+    let mut all = summaries.chain([(heading.as_str(), rows)]);
+    let first = all.next().map(|(title, content)| glance(title, content));
+    let tables = html! {
+        (first.unwrap_or_default())
+        @for (title, content) in all { (section(title, content)) }
     };
     let details = match view.results.runs.is_empty() {
         true => Markup::default(),
@@ -436,7 +565,7 @@ pub(super) fn report(view: &View<'_>, record: &TabularRecord) -> Result<StudyRep
     };
     Ok(StudyReport {
         finding: record.finding.iter().map(|s| prose(s)).collect(),
-        tables: glance(&capital(&record.rows_are), content),
+        tables,
         charts,
         details,
         csv: vec![record.declared().table(&record.rows)],

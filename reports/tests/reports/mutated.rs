@@ -337,7 +337,6 @@ fn records() -> Vec<Results> {
         sweep,
         made_up::penalty_results(),
         made_up::identify_results(),
-        made_up::coupling_results(),
         precision::results(),
         pages::stability(),
         pages::choose(),

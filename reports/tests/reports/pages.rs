@@ -108,7 +108,6 @@ fn pages() -> Vec<(&'static str, String)> {
         ("precision", precision::results()),
         ("penalty", made_up::penalty_results()),
         ("sweep", made_up::sweep_results()),
-        ("coupling", made_up::coupling_results()),
         ("stability", stability()),
         ("choose", choose()),
     ];

@@ -109,27 +109,3 @@ fn an_identification_says_what_the_data_do_not_tell() {
     );
     assert_eq!(files["identify_residuals.csv"].lines().count(), 1 + 3 * 60);
 }
-
-#[test]
-fn a_coupling_says_how_far_it_holds_and_what_residual_compliance_gains() {
-    let files = written(&made_up::coupling_results());
-    holds(
-        &files,
-        &[
-            "coupling_error.svg",
-            "coupling_energy.svg",
-            "coupling_map.svg",
-            "coupling.csv",
-        ],
-    );
-    let finding = finding(&files[PAGE]);
-    // 0.2 (h / 20 us)^3 is 5 % at 12.6 us; steps are 0.1 us times powers of two.
-    assert!(finding.contains("<b>elastic</b> up to 6.40"), "{finding}");
-    assert!(
-        finding.contains("stays stable up to 12.8") && finding.contains("truncated</b> (6.40"),
-        "{finding}"
-    );
-    assert_eq!(files["coupling.csv"].lines().count(), 1 + 4 * 10);
-    assert!(files["coupling_error.svg"].contains("limit of theory"));
-    assert!(files["coupling_map.svg"].contains("communication step"));
-}

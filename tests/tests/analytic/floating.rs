@@ -4,7 +4,7 @@
 use crate::loaded_start::{scene, shipped};
 use gearbench::context::Context;
 use gearbench::scene_file::{Origin, SceneFile};
-use gearbench::small_signals::assemble;
+use gearbench::small_signals::{Patience, assemble};
 use gearbench::studies::modes::{ModesSettings, vibrations};
 use gearbench_integrators::system::SecondOrderSystem;
 use gearbench_models::scene::Scene;
@@ -105,7 +105,13 @@ fn a_floating_sun_shares_the_load() {
         .unwrap();
         let choice = file.model("rigid").unwrap();
         let spec = file.spec_for(choice);
-        let mut scene = assemble(&spec, &choice.modelling, gearbench::models::models()).unwrap();
+        let mut scene = assemble(
+            &spec,
+            &choice.modelling,
+            gearbench::models::models(),
+            &Patience::ENDLESS,
+        )
+        .unwrap();
         let s = scene.initial();
         let mut forces = [0.0; 8];
         for c in scene.contact_forces(s.at()) {

@@ -3,7 +3,7 @@
 use crate::pin_starts::PINS;
 use gearbench::context::Context;
 use gearbench::scene_file::{Origin, SceneFile, shipped::SHIPPED};
-use gearbench::small_signals::assemble;
+use gearbench::small_signals::{Patience, assemble};
 use gearbench_integrators::system::{Change, SecondOrderSystem, State};
 use gearbench_integrators::{NullSink, Resolution, TimePlan, Work, method};
 use gearbench_models::error::{BuildError, MeshPart, Subject};
@@ -38,6 +38,7 @@ pub(crate) fn scene(
         &file.spec_for(choice),
         &choice.modelling,
         gearbench::models::models(),
+        &Patience::ENDLESS,
     )
 }
 
@@ -247,7 +248,12 @@ fn every_model_mount_and_damping_law_starts_in_equilibrium() {
             for label in labels {
                 let choice = file.model(label).unwrap();
                 let spec = file.spec_for(choice);
-                let made = assemble(&spec, &choice.modelling, gearbench::models::models());
+                let made = assemble(
+                    &spec,
+                    &choice.modelling,
+                    gearbench::models::models(),
+                    &Patience::ENDLESS,
+                );
                 let mut scene = made.unwrap_or_else(|e| panic!("{label}, {mount}, {law}: {e}"));
                 let left = imbalance(&mut scene, !pinion.contains("driven"));
                 println!("{label}, {mount}, {law}: {left:.1e} of the load");
@@ -356,7 +362,13 @@ fn trigonometric_starts_at_rest_under_load() {
             .unwrap_or_else(|e| panic!("{e:?}"));
         let choice = file.model("elastic").unwrap();
         let models = gearbench::models::models();
-        let mut scene = assemble(&file.spec_for(choice), &choice.modelling, models).unwrap();
+        let mut scene = assemble(
+            &file.spec_for(choice),
+            &choice.modelling,
+            models,
+            &Patience::ENDLESS,
+        )
+        .unwrap();
         let errors = torque_errors(&mut scene, torque, "trigonometric", 1e-6);
         let worst = errors.iter().fold(0.0_f64, |m, e| m.max(e.abs()));
         println!("{model}: contact torque within {worst:.1e} of the load");

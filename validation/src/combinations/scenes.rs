@@ -150,6 +150,18 @@ const TORQUE: f64 = 15.0;
 const PLANETS: [&str; 3] = ["p1", "p2", "p3"];
 
 impl Combination {
+    /// True if each of some words is one of its properties.
+    pub fn has(&self, words: &[String]) -> bool {
+        let own = [
+            self.toothing.to_string(),
+            self.mount.to_string(),
+            self.axes.to_string(),
+            self.model.to_string(),
+            self.contact.to_string(),
+        ];
+        words.iter().all(|word| own.contains(word))
+    }
+
     /// Returns the scene.
     pub fn scene(&self) -> SceneTable {
         let mut scene = match self.mount {

@@ -13,7 +13,6 @@ use crate::experiment::reference_series::recorded;
 use crate::experiment::run::{Job, RunError, bare, run_in};
 use crate::experiment::runner::Runner;
 use crate::scene_file::{self, Selection};
-use crate::small_signals::assemble;
 use gearbench_integrators::{Resolution, Scheme};
 use gearbench_models::scene::Scene;
 use gearbench_reports::check::MeasuredEntry;
@@ -221,7 +220,7 @@ fn built<'s>(
         Some(built) => Ok(built),
         none => {
             let started = Instant::now();
-            let scene = assemble(job.scene, job.modelling, &job.context.models)?;
+            let scene = job.assemble()?;
             Ok(none.insert((scene, started.elapsed())))
         }
     }

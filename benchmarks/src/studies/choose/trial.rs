@@ -7,7 +7,7 @@ use crate::experiment::budget::ProcessorClock;
 use crate::experiment::key::Key;
 use crate::experiment::machine::timed;
 use crate::experiment::run::{Job, RunError, run_in};
-use crate::small_signals::assemble;
+use crate::small_signals::{Patience, assemble};
 use gearbench_integrators::Scheme;
 use gearbench_integrators::{NullSink, TimePlan, Work};
 use gearbench_models::gear::table::properties_of;
@@ -82,7 +82,8 @@ impl<'a> WindowModel<'a> {
         modelling: &'a Modelling,
     ) -> Result<WindowModel<'a>, RunError> {
         let clock = ProcessorClock::start();
-        let scene = assemble(spec, modelling, &problem.context.models)?;
+        let patience = Patience::until(&problem.context.interruption);
+        let scene = assemble(spec, modelling, &problem.context.models, &patience)?;
         let key = Key::new("set-up").and_scene(spec, modelling);
         let setup_s =
             (problem.runner).piece(key, || Ok::<_, RunError>(clock.elapsed().as_secs_f64()))?;

@@ -2,12 +2,11 @@
 
 use super::frames::{Frame, PrescribedScene};
 use super::host::Hub;
-use super::step_polynomial::StepPolynomial;
+use super::step_polynomial::{Extrapolation, Motion, StepPolynomial};
 use crate::experiment::history::History;
 use gearbench_integrators::system::{Change, Outputs, SecondOrderSystem, State};
 use gearbench_integrators::{AcceptedStep, Control, Scheme, Sink, StepError, TimePlan, Work};
 use gearbench_models::scene::Scene;
-use gearbench_reports::coupling::{Extrapolation, Motion};
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
@@ -23,7 +22,7 @@ const BY_ENDS: u32 = 2;
 const SLIVER: f64 = 1e-6;
 
 /// Scheme of the coupling: extrapolation, interpolation and communication step.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CouplingScheme {
     /// Extrapolation of the forces on the hubs in the host.
     pub extrapolation: Extrapolation,

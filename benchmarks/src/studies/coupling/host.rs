@@ -1,8 +1,8 @@
 //! The host: hubs under extrapolated forces and their own loads.
 
 use super::frames::Frame;
+use super::step_polynomial::Extrapolation;
 use super::step_polynomial::StepPolynomial;
-use gearbench_reports::coupling::Extrapolation;
 
 /// Parts of a communication step of a host at least: classical Runge-Kutta steps, whose error is far below that of any
 /// extrapolation.

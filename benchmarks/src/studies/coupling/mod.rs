@@ -33,17 +33,16 @@
 //! | `exchange` | alternating integration of both parts, and the energy between them |
 //! | `theory` | an oscillator in two parts: growth and its limit |
 //! | `stiffness` | the scene as that oscillator |
+//! | `study` | arguments, cells, table and charts |
 
-pub(crate) mod arguments;
-pub(crate) mod command;
 mod exchange;
 mod frames;
 mod host;
-mod plan;
-mod run;
 mod step_polynomial;
 mod stiffness;
-mod summary;
+mod study;
 #[cfg(test)]
 mod tests;
 mod theory;
+
+pub(crate) use study::Coupling;

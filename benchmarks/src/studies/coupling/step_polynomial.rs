@@ -1,7 +1,53 @@
 //! Polynomials over a communication step: forces extrapolated through their last values, displacements interpolated
 //! between two.
 
-use gearbench_reports::coupling::{Extrapolation, Motion};
+use clap::ValueEnum;
+
+/// Extrapolation of the forces on the hubs over a communication step, by the host.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum Extrapolation {
+    /// The last value is constant over the step
+    Constant,
+    /// The line through the last two values
+    Linear,
+    /// The parabola through the last three values
+    #[default]
+    Quadratic,
+}
+
+impl Extrapolation {
+    /// All extrapolations, the lowest degree first.
+    pub const ALL: [Self; 3] = [Self::Constant, Self::Linear, Self::Quadratic];
+
+    /// Returns the word of the extrapolation.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::Constant => "constant",
+            Self::Linear => "linear",
+            Self::Quadratic => "quadratic",
+        }
+    }
+}
+
+/// Interpolation of the hubs' motion between two communication points, by the gears.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum Motion {
+    /// The straight line between both positions
+    #[default]
+    Linear,
+    /// The cubic through both positions with both velocities
+    Cubic,
+}
+
+impl Motion {
+    /// Returns the word of the interpolation.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::Linear => "linear",
+            Self::Cubic => "cubic",
+        }
+    }
+}
 
 /// Polynomial `c0 + c1 s + c2 s^2 + c3 s^3` of `s = t - from`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

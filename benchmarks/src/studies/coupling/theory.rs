@@ -13,7 +13,7 @@
 //! constant and linear extrapolation grow at every step, if slowly: so the limit is where the energy that a time in contact `T`
 //! makes up, `r^(2 T/h) - 1`, exceeds what is allowed. As `T` grows that goes to `r = 1`.
 
-use gearbench_reports::coupling::Extrapolation;
+use super::step_polynomial::Extrapolation;
 use nalgebra::DMatrix;
 
 /// Smallest and largest `omega h` of the search for the limit, their ratio from trial to trial, and the relative width

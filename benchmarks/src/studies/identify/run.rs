@@ -17,7 +17,7 @@ use crate::experiment::runner::Runner;
 use crate::scene_file::calibration::Constants;
 use crate::scene_file::changes::KeyPath;
 use crate::scene_file::{ModelChoice, SceneFile};
-use crate::small_signals::assemble;
+use crate::small_signals::{Patience, assemble};
 use gearbench_reference::data::Quantity;
 use gearbench_reports::identify::{
     ConstantSet, DataKind, DataRecord, FitHistory, FitRecord, Outcome, ParameterRecord,
@@ -50,7 +50,9 @@ pub fn modelled(
             let shifted: Vec<f64> = time.iter().map(|t| clock.scene_time(*t)).collect();
             // Before its start a scene is at rest there, without force.
             let before = shifted.partition_point(|t| *t < 0.0);
-            let mut scene = assemble(&spec, &modelling, &plan.scene.context.models)?;
+            let context = &plan.scene.context;
+            let patience = Patience::until(&context.interruption);
+            let mut scene = assemble(&spec, &modelling, &context.models, &patience)?;
             let grid = &shifted[before..];
             let no_channel = || IdentifyError::NoForce(set.name.clone());
             let channel = channel_of(*quantity).ok_or_else(no_channel)?;

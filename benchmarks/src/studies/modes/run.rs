@@ -8,7 +8,9 @@ use crate::experiment::motion::motion_of_modes;
 use crate::experiment::runner::Runner;
 use crate::small_signals::mesh_mode::{FEW, mesh_mode_of, resonance, with_resonance};
 use crate::small_signals::motions::{Energies, Motion, SLACK, energies, scaled};
-use crate::small_signals::{LoadedState, LoadedStateError, MOST, has_loads, loaded, settled};
+use crate::small_signals::{
+    LoadedState, LoadedStateError, MOST, Patience, has_loads, loaded, settled,
+};
 use gearbench_integrators::system::SecondOrderSystem;
 use gearbench_models::error::{BuildError, Fault};
 use gearbench_models::gear::table::Model;
@@ -76,7 +78,7 @@ fn analysed(
     let found = match n {
         0 => Err(LoadedStateError::Matrices("nothing in it can move")),
         n if n > MOST => Err(LoadedStateError::TooLarge(n)),
-        _ => loaded(&mut scene, loads),
+        _ => loaded(&mut scene, loads, &Patience::ENDLESS),
     };
     let mesh_mode = loads.then(|| mesh_mode_of(label, (&spec, &mut scene), found.as_ref(), None));
     match found {

@@ -9,7 +9,7 @@ use crate::experiment::runner::Runner;
 use crate::small_signals::cycle::{MeshPhase, running};
 use crate::small_signals::grounds::grounds;
 use crate::small_signals::response::{GroupVibration, Response, spectrum};
-use crate::small_signals::{LoadedStateError, MOST, has_loads, settled};
+use crate::small_signals::{LoadedStateError, MOST, Patience, has_loads, settled};
 use gearbench_integrators::system::SecondOrderSystem;
 use gearbench_models::error::{BuildError, Fault};
 use gearbench_models::gear::table::Model;
@@ -110,7 +110,7 @@ fn solve(
             "it has no loads, and nothing presses its flanks together",
         ));
     }
-    let running = running(scene, spec, wanted.phases)?;
+    let running = running(scene, spec, wanted.phases, &Patience::ENDLESS)?;
     let grounds = grounds(scene, &running);
     let mut groups = Vec::new();
     // Meshes of other frequencies turn along.

@@ -9,7 +9,6 @@ use crate::experiment::configuration::Configuration;
 use crate::experiment::error::{ModelRefusal, StudyError};
 use crate::experiment::run::{Job, RunError, run_with_observer};
 use crate::experiment::runner::Runner;
-use crate::small_signals::assemble;
 use crate::studies::modes::{ModesSettings, vibrations};
 use gearbench_integrators::SecondOrderSystem as _;
 use gearbench_models::scene::Scene;
@@ -83,8 +82,7 @@ fn one(
     let key = job.key().and(&plan.look);
     let made = runner.row_with(key, method, || {
         let started = Instant::now();
-        let mut scene =
-            assemble(&spec, &entry.modelling, &job.context.models).map_err(RunError::from)?;
+        let mut scene = job.assemble().map_err(RunError::from)?;
         let recorded = ChannelLayout::of(&spec);
         let range = [plan.look.onset, job.t_end];
         let mut recorder = Recorder::new(recorded.channels(&scene), range, plan.look.samples);

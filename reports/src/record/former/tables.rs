@@ -1,5 +1,5 @@
 //! Studies whose quantities were in their runs, and are rows of a table now: penalties in schema 1, numbers of modes in
-//! schema 2 before its release; and choices on random scenes, which had a list of their own.
+//! schema 2 before its release; choices on random scenes and runs with a host, which had lists of their own.
 
 use crate::columns::{Columns, Value as Cell};
 use crate::markup::column::Format;
@@ -9,8 +9,9 @@ use crate::view::capital;
 use serde_json::{Value, json};
 
 /// Names of the studies whose records are converted.
-pub const STUDIES: [&str; 3] = ["penalty", "truncation", CHOICES];
+pub const STUDIES: [&str; 4] = ["penalty", "truncation", CHOICES, COUPLING];
 const CHOICES: &str = "choice-check";
+const COUPLING: &str = "coupling";
 
 /// Converts a record of one of the studies; false if it is one of another study.
 ///
@@ -20,8 +21,10 @@ pub fn upgrade(record: &mut Value) -> serde_json::Result<bool> {
     let Some(name) = STUDIES.into_iter().find(|name| record["study"] == *name) else {
         return Ok(false);
     };
-    if name == CHOICES {
-        return choices(record);
+    match name {
+        CHOICES => return choices(record),
+        COUPLING => return couplings(record),
+        _ => {}
     }
     let runs = record["runs"].as_array().cloned().unwrap_or_default();
     let file = format!("{name}.csv");
@@ -57,6 +60,59 @@ fn put(record: &mut Value, table: &TabularRecord) -> serde_json::Result<bool> {
         record[&key] = value;
     }
     Ok(true)
+}
+
+/// Runs of gears that a host moves: a row for each, in place of a list for each model and extrapolation.
+fn couplings(record: &mut Value) -> serde_json::Result<bool> {
+    let list = record["couplings"].as_array().cloned().unwrap_or_default();
+    let cells = |c: &Value| -> Vec<Value> {
+        let all = [&c["cells"], &c["refined"]];
+        let all = all.into_iter().filter_map(Value::as_array).flatten();
+        all.cloned().collect()
+    };
+    let mut rows: Vec<(Value, Value)> = Vec::new();
+    for coupling in list {
+        let mut own = cells(&coupling);
+        let step = |c: &Value| c["step_s"].as_f64().unwrap_or(0.0);
+        own.sort_by(|a, b| step(a).total_cmp(&step(b)));
+        rows.extend(own.into_iter().map(|cell| (coupling.clone(), cell)));
+    }
+    let of = |key: &'static str| move |(_, cell): &(Value, Value)| cell[key].as_f64();
+    let columns = Columns::<(Value, Value)>::of("coupling.csv", "One row per run");
+    #[rustfmt::skip]
+    let columns = columns
+        .model(|(c, _)| label(c))
+        .add("manner", "extrapolation of the forces on hubs", |(c, _)| word(&c["extrapolation"])).shown("Extrapolation", Format::Text).result()
+        .add("communication_step_s", "communication step of host and gears", of("step_s")).shown("Communication step", Format::Quantities(3)).result()
+        .add("status", "end of the run", |(_, x)| word(&x["status"])).shown("Status", Format::Text)
+        .add("force_l2", "relative L2 error of the force history", of("force_l2")).shown("Force, L2", Format::Percents(3)).result()
+        .add("energy_error_rel", "energy that the coupling adds or removes, over that of the vibration", of("energy_error_rel")).shown("Energy error", Format::Percents(3)).result();
+    let table = TabularRecord {
+        name: COUPLING.into(),
+        rows_are: "One row per run".into(),
+        finding: vec!["The record is of an earlier version, without a stored finding.".into()],
+        rows: rows.iter().map(|r| columns.recorded_row(r)).collect(),
+        charts: vec![TableChart {
+            file: "coupling_error".into(),
+            title: "Error of the coupling".into(),
+            abscissa: "communication_step_s".into(),
+            ordinates: vec!["force_l2".into()],
+            panels_by: "manner".into(),
+            magnitudes: true,
+            ..TableChart::default()
+        }],
+        columns: columns.recorded(),
+        ..TabularRecord::default()
+    };
+    put(record, &table)
+}
+
+/// The label of a model with its variant.
+fn label(of: &Value) -> String {
+    match of["variant"].as_str() {
+        Some(variant) => format!("{}, {variant}", word(&of["model"])),
+        None => word(&of["model"]),
+    }
 }
 
 /// Choices on random scenes: numbers and texts of the list are the columns, under their keys.
@@ -121,12 +177,8 @@ fn penalty<'a>(columns: Columns<'a, &'a Value>) -> (Columns<'a, &'a Value>, Tabl
 
 #[rustfmt::skip]
 fn truncation<'a>(columns: Columns<'a, &'a Value>) -> (Columns<'a, &'a Value>, TableChart) {
-    let label = |r: &&Value| match r["variant"].as_str() {
-        Some(variant) => format!("{}, {variant}", word(&r["model"])),
-        None => word(&r["model"]),
-    };
     let columns = columns
-        .model(label)
+        .model(|r| label(r))
         .add("modes", "modes per gear that are kept", |r| r["modes"].as_u64()).shown("Modes", Format::Plain).result()
         .add("highest_hz", "highest frequency among the modes", number("highest_hz")).shown("Highest mode", Format::Numbers(3))
         .add("status", "end of the run", |r| word(&r["status"])).shown("Status", Format::Text)
@@ -187,6 +239,19 @@ mod tests {
         let results = upgrade(&old.to_string()).unwrap().unwrap();
         results.validate().unwrap();
         assert_eq!(results.study_name(), "truncation");
+        old["study"] = json!("coupling");
+        let cell =
+            |step: f64| json!({"step_s": step, "status": "converged", "force_l2": 100.0 * step});
+        old["couplings"] = json!([{"model": "elastic", "variant": "truncated", "extrapolation": "linear",
+            "cells": [cell(1e-6), cell(4e-6)], "refined": [cell(2e-6)]}]);
+        let results = upgrade(&old.to_string()).unwrap().unwrap();
+        results.validate().unwrap();
+        let Part::Tabular(table) = &results.part else {
+            panic!("{:?}", results.part)
+        };
+        let rows = serde_json::to_value(&table.rows).unwrap();
+        assert_eq!(rows[1]["communication_step_s"], 2e-6);
+        assert_eq!(rows[2]["model"], "elastic, truncated");
         assert_eq!(
             upgrade(r#"{"schema": 1, "study": "compare"}"#).unwrap(),
             None

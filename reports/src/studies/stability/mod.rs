@@ -13,7 +13,6 @@ use crate::record::checks::{each, same_length};
 use crate::record::{Results, Status};
 use crate::studies::{Part, StudyReport};
 use crate::words::words;
-pub(crate) use charts::overview;
 pub use csv::timings;
 pub use limit::{BRACKET, Limit, is_lost};
 use maud::Markup;

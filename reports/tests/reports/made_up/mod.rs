@@ -12,7 +12,7 @@ use gearbench_reports::{
     ToothDisplacements, ToothedBody, compare,
 };
 use std::f64::consts::PI;
-pub use studies::{coupling_results, identify_results, penalty_results, sweep_results};
+pub use studies::{identify_results, penalty_results, sweep_results};
 
 /// Computes the metrics of a run whose end time is that of its history.
 fn metrics_of(

@@ -2,7 +2,6 @@
 
 use super::{impact, metrics_of, reference, run, study};
 use gearbench_reports::columns::Columns;
-use gearbench_reports::coupling::{Coupling, CouplingCell, CouplingRecord, Extrapolation};
 use gearbench_reports::identify::{
     DataKind, DataRecord, FitRecord, IdentifyRecord, Outcome, ParameterRecord, ProfileRecord,
 };
@@ -234,61 +233,4 @@ pub fn identify_results() -> Results {
         Vec::new(),
         Vec::new(),
     )
-}
-
-/// Makes a study of coupling of two elastic models under two extrapolations: orders one and three, failures at large
-/// steps.
-pub fn coupling_results() -> Results {
-    let coupling = |variant: Option<&str>, extrapolation, limit: f64| {
-        let order = match extrapolation {
-            Extrapolation::Constant => 1,
-            _ => 3,
-        };
-        let cell = |i: i32| {
-            let step_s = 1e-7 * 2f64.powi(i);
-            let error = 0.2 * (step_s / limit).powi(order);
-            let failed = step_s > limit;
-            CouplingCell {
-                step_s,
-                status: match (failed, error > 0.05) {
-                    (true, _) => Status::EnergyGrowth,
-                    (_, true) => Status::Inaccurate,
-                    _ => Status::Converged,
-                },
-                message: failed.then(|| "made up".into()),
-                force_l2: Some(if i == 3 { f64::NAN } else { error }),
-                rebound_rel: Some(0.1 * error),
-                energy_error_j: Some(-1e-3 * error),
-                energy_error_rel: Some(-0.1 * error),
-                energy_error_step_rel: Some(error),
-                reached_s: Some(1e-4),
-                exchanges: 100,
-            }
-        };
-        Coupling {
-            model: "elastic".into(),
-            variant: variant.map(Into::into),
-            residual: Some(variant.is_none()),
-            extrapolation,
-            integrator: "trigonometric".into(),
-            step_s: Some(1e-7),
-            frequency_hz: Some(5e3),
-            damping_ratio: Some(0.0),
-            contact_s: Some(1e-4),
-            energy_j: Some(0.01),
-            theory_s: Some(1.1 * limit),
-            cells: (0..9).map(cell).collect(),
-            refined: vec![cell(4)],
-            ..Coupling::default()
-        }
-    };
-    let mut couplings = Vec::new();
-    for (variant, limit) in [(None, 2e-5), (Some("truncated"), 1e-5)] {
-        for extrapolation in [Extrapolation::Constant, Extrapolation::Quadratic] {
-            couplings.push(coupling(variant, extrapolation, limit));
-        }
-    }
-    let part = Part::Coupling(CouplingRecord { couplings });
-    let runs = vec![run("elastic", "trigonometric", 1e-7, 1e-4)];
-    study("gearbench coupling spur_impact", part, Vec::new(), runs)
 }

@@ -316,7 +316,7 @@ fn kahramans_planetary_train() {
 #[test]
 fn a_ring_and_its_pinion_swing_against_each_other() {
     use gearbench::scene_file::{Origin, SceneFile};
-    use gearbench::small_signals::loaded;
+    use gearbench::small_signals::{Patience, loaded};
     let (stiffness, width) = (2e10, 0.02);
     for more in [0.0, 12.0] {
         let text = format!(
@@ -341,7 +341,7 @@ fn a_ring_and_its_pinion_swing_against_each_other() {
             gearbench::models::models(),
         )
         .unwrap();
-        let found = loaded(&mut scene, true).unwrap_or_else(|e| panic!("{e}"));
+        let found = loaded(&mut scene, true, &Patience::ENDLESS).unwrap_or_else(|e| panic!("{e}"));
         let contacts = scene.contact_forces(found.state.at()).len() as f64;
         let radii = [0, 1].map(|g| effective_radius(&spec.gears[g].body));
         let masses = [0, 1].map(|g| scene.gears()[g].model.hub().hub.inertia / radii[g].powi(2));

@@ -7,7 +7,7 @@
 
 use gearbench::context::Context;
 use gearbench::scene_file::{Origin, SceneFile};
-use gearbench::small_signals::loaded;
+use gearbench::small_signals::{Patience, loaded};
 use gearbench_models::scene::{ContactForce, Scene};
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
@@ -78,7 +78,7 @@ fn set([sun, planet, ring]: [u32; 3], directions: &[f64], torque: f64) -> Scene 
 
 /// Returns the contacts of a set in static equilibrium.
 fn contacts(scene: &mut Scene) -> Vec<ContactForce> {
-    let found = loaded(scene, true).unwrap_or_else(|e| panic!("{e}"));
+    let found = loaded(scene, true, &Patience::ENDLESS).unwrap_or_else(|e| panic!("{e}"));
     scene.contact_forces(found.state.at()).to_vec()
 }
 

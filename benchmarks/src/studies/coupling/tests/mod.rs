@@ -14,12 +14,12 @@ use crate::experiment::configuration::Configuration;
 use crate::experiment::history::History;
 use crate::models::models;
 use crate::scene_file::{Origin, SceneFile};
+use crate::studies::coupling::step_polynomial::{Extrapolation, Motion};
 use crate::studies::test_scene::coarse;
 use gearbench_integrators::system::{Outputs, SecondOrderSystem, State};
 use gearbench_integrators::table::{RK4, TRIGONOMETRIC, VELOCITY_VERLET};
 use gearbench_integrators::{NullSink, Scheme, TimePlan, Work};
 use gearbench_models::scene::Scene;
-use gearbench_reports::coupling::{Extrapolation, Motion};
 
 /// Two gears at rest whose torques load their contact, with one spring and a damper.
 fn pressed(more: &str, model: &str) -> SceneFile {

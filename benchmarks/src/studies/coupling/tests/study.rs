@@ -1,6 +1,8 @@
 //! Tests of the study of coupling: labels, refined limits, truncated models, default steps, refusals.
 
-use super::{BuiltModel, built, rigid};
+use super::rigid;
+use crate::cli::study_command::StudyCommand;
+use crate::cli::{Cli, Command};
 use crate::context::Context;
 use crate::experiment::conditions::Conditions;
 use crate::experiment::configuration::Configuration;
@@ -8,74 +10,96 @@ use crate::experiment::runner::Runner;
 use crate::models::models;
 use crate::scene_file::{Origin, SceneFile};
 use crate::studies::coupling::frames::{HostError, frames};
-use crate::studies::coupling::plan::{Entry, Plan, default_steps, keeps_residual, truncated};
-use crate::studies::coupling::run::{WHOLE, study};
-use crate::studies::coupling::stiffness;
+use crate::studies::coupling::study::{WHOLE, default_steps, keeps_residual, truncated};
+use crate::studies::tabular::{self, TabularStudy};
 use crate::studies::test_scene::coarse;
-use gearbench_integrators::table::{RK4, VELOCITY_VERLET};
+use clap::Parser;
+use gearbench_integrators::table::RK4;
 use gearbench_integrators::{Resolution, Scheme};
 use gearbench_models::scene::Scene;
-use gearbench_reports::coupling::{Extrapolation, Motion};
-use gearbench_reports::record::Status;
+use gearbench_reports::record::{Part, Results, Status};
+use serde::Deserialize;
 
-/// A plan of one model.
-fn plan(file: &SceneFile, method: Scheme, steps: Vec<f64>) -> Plan {
-    let BuiltModel { entry, frames, .. } = built(file);
-    let oscillator = stiffness::oscillator(&entry.scene, &entry.modelling, models(), &frames);
-    Plan {
-        conditions: Conditions::of(file),
-        entries: vec![Entry {
-            oscillator: oscillator.expect("matrices"),
-            configuration: entry,
-            frames,
-            method,
-            steps,
-        }],
-        extrapolations: vec![Extrapolation::Linear, Extrapolation::Quadratic],
-        motions: vec![Motion::Linear],
-        tolerance: 0.05,
-    }
+/// The study of one model by its command line.
+fn study(file: &SceneFile, options: &str) -> Results {
+    let all = ["gearbench", "coupling", "own.toml"].into_iter();
+    let parsed = Cli::try_parse_from(all.chain(options.split_whitespace())).expect("arguments");
+    let Some(Command::Study(StudyCommand::Coupling(args))) = parsed.command else {
+        panic!("no coupling");
+    };
+    let cells = args.cells(file).unwrap_or_else(|_| panic!("cells"));
+    let conditions = Conditions::of(file);
+    tabular::study(
+        &args,
+        &conditions,
+        (file, Vec::new()),
+        cells,
+        &Runner::default(),
+    )
+    .expect("a record")
+}
+
+/// A row of the table.
+#[derive(Deserialize)]
+struct Row {
+    manner: Option<String>,
+    communication_step_s: Option<f64>,
+    status: Status,
+    force_l2: Option<f64>,
+    energy_error_j: Option<f64>,
+    energy_error_rel: Option<f64>,
+    theory_step_s: Option<f64>,
+    message: Option<String>,
 }
 
 #[test]
 fn a_study_labels_its_runs() {
     let file = rigid(400.0);
-    let plan = plan(&file, RK4.at_step(2.5e-7), vec![1e-6, 5e-5]);
-    assert_eq!((plan.len(), plan.lines().len()), (5, 2));
-    let results = study(&plan, &Runner::default(), 2).expect("a record");
-    assert!(results.runs[0].against(WHOLE).is_some() && results.runs[0].status.holds());
-    for c in results.couplings() {
-        let [small, large] = [&c.cells[0], &c.cells[1]];
-        assert_eq!(small.status, Status::Converged, "{small:?}");
+    let options =
+        "--steps 1e-6:5e-5:2 --extrapolations linear,quadratic --integrator rk4@2.5e-7 --threads";
+    let results = study(&file, &format!("{options} 2"));
+    let Part::Tabular(table) = &results.part else {
+        panic!("{:?}", results.part)
+    };
+    let rows: Vec<Row> = table.rows_as().unwrap();
+    assert!(results.runs[0].against(WHOLE).is_some() && rows[0].status.holds());
+    assert!(rows[0].communication_step_s.is_none() && rows[0].force_l2.is_none());
+    let energy = |r: &Row| r.energy_error_j.unwrap() / r.energy_error_rel.unwrap();
+    for manner in ["linear", "quadratic"] {
+        let of = |r: &&Row| r.manner.as_deref() == Some(manner);
+        let all: Vec<&Row> = rows.iter().filter(of).collect();
+        let (small, large) = (all[0], all[all.len() - 1]);
+        assert_eq!(small.communication_step_s, Some(1e-6));
+        assert_eq!(small.status, Status::Converged);
         assert!(small.force_l2.unwrap() < 0.01 && small.energy_error_rel.unwrap().abs() < 0.01);
         // Beyond theory hubs and teeth drive each other apart.
-        assert!(
-            c.theory_s.unwrap() < 5e-5 && large.status.is_failure(),
-            "{large:?}"
-        );
+        assert!(small.theory_step_s.unwrap() < 5e-5 && large.status.is_failure());
+        assert_eq!(large.communication_step_s, Some(5e-5));
         assert!(large.message.is_some());
-        assert!(c.accurate()[0] >= Some(1e-6) && c.stable()[1] <= Some(5e-5));
         // Closed in on.
-        let [held, failed] = c.stable().map(Option::unwrap);
-        assert!(failed < 1.06 * held && !c.refined.is_empty());
-        assert!(
-            (c.energy_j.unwrap() / small.energy_error_j.unwrap() * small.energy_error_rel.unwrap()
-                - 1.0)
-                .abs()
-                < 1e-12
-        );
+        let failed = all.iter().position(|r| r.status.is_failure()).unwrap();
+        let [held, failed] = [failed - 1, failed].map(|i| all[i].communication_step_s.unwrap());
+        assert!(failed < 1.06 * held && all.len() > 4, "{held} {failed}");
+        let scale = energy(small) / energy(all[1]);
+        assert!((scale - 1.0).abs() < 1e-12, "{scale}");
     }
+    let limits = &table.summaries[0];
+    assert_eq!(limits.rows.len(), 2);
+    assert!(
+        table.finding[0].contains("rigid up to"),
+        "{:?}",
+        table.finding
+    );
     // The result does not depend on the number of threads.
-    let again = study(&plan, &Runner::default(), 1).expect("a record");
-    assert_eq!(again.couplings(), results.couplings());
+    let again = study(&file, &format!("{options} 1"));
+    assert_eq!(again.part, results.part);
 }
 
 #[test]
 fn a_twin_by_plain_truncation_has_the_lowest_modes_alone() {
     let file = coarse(&[("modes", 12.0.into())]);
     let of = Configuration::of(&file, &file.models[0]);
-    let method = VELOCITY_VERLET.at_step(1e-8);
-    let twin = truncated(&of, method, 1e-8);
+    let twin = truncated(&of);
     assert_eq!(
         (keeps_residual(&of), keeps_residual(&twin)),
         (Some(true), Some(false))

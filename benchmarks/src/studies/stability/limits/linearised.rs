@@ -3,7 +3,7 @@
 use super::LimitError;
 use super::end_dampers::{acts_at_ends, known_at_ends, predicted, speeds};
 use super::linear::{Dense, FastestMode, Linear};
-use crate::small_signals::assemble;
+use crate::small_signals::{Patience, assemble};
 use gearbench_integrators::linear_stability::Impulses;
 use gearbench_integrators::table::{DOPRI5, HHT_ALPHA, TRIGONOMETRIC};
 use gearbench_integrators::{
@@ -42,7 +42,7 @@ impl Linearised {
         modelling: &Modelling,
         models: &[Model],
     ) -> Result<Linearised, LimitError> {
-        let mut scene = assemble(spec, modelling, models)?;
+        let mut scene = assemble(spec, modelling, models, &Patience::ENDLESS)?;
         let start = scene.initial();
         let closed = closed_state(&mut scene, spec);
         Ok(Linearised {

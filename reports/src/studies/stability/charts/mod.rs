@@ -50,7 +50,7 @@ fn figures(maps: &[Map]) -> Vec<Vec<&Map>> {
 /// Draws the charts of a study of stability.
 pub fn stability(maps: &[Map]) -> Result<Vec<Chart>, DrawError> {
     let mut charts = Vec::new();
-    if let Some(svg) = overview(maps, "Where methods fail", None)? {
+    if let Some(svg) = overview(maps, "Where methods fail")? {
         charts.push(Chart {
             file: "stability.svg".into(),
             title: "Where methods fail".into(),

@@ -46,12 +46,8 @@ fn headings(maps: &[&Map]) -> Vec<usize> {
         .collect()
 }
 
-/// Draws the chart with a title and, if given, another name of the abscissa; `None` without maps.
-pub fn overview(
-    maps: &[Map],
-    title: &str,
-    step: Option<&str>,
-) -> Result<Option<String>, DrawError> {
+/// Draws the chart with a title; `None` without maps.
+pub fn overview(maps: &[Map], title: &str) -> Result<Option<String>, DrawError> {
     let blocks: Vec<Vec<&Map>> = [Columns::Step, Columns::Tolerance]
         .map(|columns| pairs(maps, columns))
         .into_iter()
@@ -80,14 +76,14 @@ pub fn overview(
         legend(c, &entries, 4.0);
         let mut y = head;
         for block in &blocks {
-            paint(c, block, y, step);
+            paint(c, block, y);
             y += block_height(block);
         }
     })?;
     Ok(Some(svg))
 }
 
-fn paint(c: &mut Canvas, maps: &[&Map], top: f64, step: Option<&str>) {
+fn paint(c: &mut Canvas, maps: &[&Map], top: f64) {
     let Some(x) = common(maps) else {
         return;
     };
@@ -98,7 +94,7 @@ fn paint(c: &mut Canvas, maps: &[&Map], top: f64, step: Option<&str>) {
         y: Axis::linear(0.0, 1.0),
     };
     let (scale, name) = column_scale(maps[0].columns);
-    frame.paint_x(c, step.unwrap_or(name), 9);
+    frame.paint_x(c, name, 9);
     let place = |x: f64| frame.at(x * scale, 0.0).0;
     let begins = headings(maps);
     let mut y = top;
