@@ -17,6 +17,7 @@ mod markup;
 pub mod measured;
 pub mod metrics;
 pub mod numbers;
+pub mod pareto;
 pub mod record;
 pub mod series;
 pub mod store;
@@ -43,7 +44,7 @@ pub use studies::choose::{
     ReferenceDistance, Verdict,
 };
 pub use studies::{
-    StudyReport, check, compare as comparison, finding, identify, measured_lines, modes, precision,
+    StudyReport, check, compare as comparison, finding, identify, measured_lines, modes,
     response, run_up, runs, scan, stability, stiffness, sweep, tabular,
 };
 pub use view::{metric_against, yardstick_of};

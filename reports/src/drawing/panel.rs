@@ -25,6 +25,8 @@ const NAMES: f64 = 52.0;
 const BUCKETS: usize = 2000;
 /// Approximate distance between the markers of its model on a line without points of its own; models alternate.
 const SPACING: f64 = 150.0;
+/// Opacity of points that are not strong.
+const FAINT: f64 = 0.3;
 /// Height of the line of text above a panel.
 const ABOVE: f64 = 17.0;
 
@@ -108,6 +110,31 @@ impl Curve {
     }
 }
 
+/// A line that is no curve to be read, such as a front: it stays with its points while the chart is zoomed.
+#[derive(Clone, Debug)]
+pub struct Guide {
+    /// Points of the line.
+    pub points: Vec<(f64, f64)>,
+    pub stroke: Stroke,
+    /// Index of its entry of the legend, if it has one.
+    pub entry: Option<usize>,
+}
+
+/// A point with a text of its own, which a page shows at the cursor.
+#[derive(Clone, Debug)]
+pub struct LabelledPoint {
+    /// Abscissa and ordinate.
+    pub at: (f64, f64),
+    /// Index of its entry of the legend.
+    pub entry: usize,
+    /// Look of its marker.
+    pub look: CurveStyle,
+    /// False for a smaller, translucent marker.
+    pub is_strong: bool,
+    /// Text at the cursor.
+    pub text: String,
+}
+
 #[derive(Clone, Debug)]
 pub struct Panel {
     /// Height of the plot.
@@ -125,6 +152,10 @@ pub struct Panel {
     pub remark: String,
     /// Curves, the first at the bottom of the pile.
     pub curves: Vec<Curve>,
+    /// Lines that are no curves to be read, above the curves.
+    pub guides: Vec<Guide>,
+    /// Points with texts of their own, the first at the bottom of the pile.
+    pub labelled: Vec<LabelledPoint>,
     /// Horizontal limits with their names.
     pub limits: Vec<(f64, String)>,
     /// Vertical lines with their names.
@@ -147,6 +178,8 @@ impl Panel {
             y_name: y_name.into(),
             remark: String::new(),
             curves: Vec::new(),
+            guides: Vec::new(),
+            labelled: Vec::new(),
             limits: Vec::new(),
             verticals: Vec::new(),
             bands: Vec::new(),
@@ -249,6 +282,7 @@ impl Panel {
                 self.paint_curve(c, frame, curve, &mut room)
             });
         }
+        self.paint_labelled(c, frame, &mut room);
         let small = Type::new(TICK_SIZE, Anchor::Start);
         scatter::limits(c, frame, &self.limits, &mut room);
         c.group(&notes, |c| {
@@ -304,6 +338,34 @@ impl Panel {
         for p in points.into_iter().filter(|p| inside.holds(*p)) {
             c.group(&class("point", p), |c| marker(c, p, radius, look, filled));
             room.occupy_point(p, radius + 1.0);
+        }
+    }
+
+    /// Paints guides, and points with texts of their own.
+    fn paint_labelled(&self, c: &mut Canvas, frame: &Frame, room: &mut OccupiedArea) {
+        let inside = frame.area.grown(1.0);
+        for guide in &self.guides {
+            let path: Vec<(f64, f64)> = guide.points.iter().map(|p| frame.at(p.0, p.1)).collect();
+            scatter::guide(c, &path, &frame.area, guide.stroke, guide.entry);
+            room.occupy_line(&path);
+        }
+        for p in &self.labelled {
+            let at = frame.at(p.at.0, p.at.1);
+            if !inside.holds(at) {
+                continue;
+            }
+            let (radius, ink) = match p.is_strong {
+                true => (5.0, p.look.ink),
+                false => (3.4, p.look.ink.opacity(FAINT)),
+            };
+            let look = CurveStyle { ink, ..p.look };
+            scatter::point(c, at, (p.entry, None), &p.text, |c| {
+                marker(c, at, radius, look, true);
+            });
+            match p.is_strong {
+                true => room.occupy_point(at, radius + 0.6),
+                false => room.keep_pale(at, radius),
+            }
         }
     }
 

@@ -10,7 +10,6 @@ pub mod identify;
 mod mesh_modes;
 pub mod modes;
 mod moving_modes;
-pub mod precision;
 pub mod response;
 pub mod run_up;
 pub mod runs;
@@ -39,8 +38,6 @@ words! {
         /// Comparison of all models and integrators of a scene with its references.
         #[default]
         Compare = "compare",
-        /// Error against cost of models and integrators.
-        Precision = "precision",
         /// Maps of where integrators fail over step and parameters.
         Stability = "stability",
         /// The cheapest adequate model, integrator and step.
@@ -73,8 +70,6 @@ words! {
 pub enum Part {
     /// Part of a record of [`Study::Compare`].
     Compare(compare::CompareRecord),
-    /// Part of a record of [`Study::Precision`].
-    Precision(precision::PrecisionRecord),
     /// Part of a record of [`Study::Stability`].
     Stability(stability::StabilityRecord),
     /// Part of a record of [`Study::Choose`].
@@ -110,7 +105,6 @@ impl Part {
     pub fn study(&self) -> Study {
         match self {
             Part::Compare(_) => Study::Compare,
-            Part::Precision(_) => Study::Precision,
             Part::Stability(_) => Study::Stability,
             Part::Choose(_) => Study::Choose,
             Part::Check(_) => Study::Check,
@@ -149,7 +143,7 @@ impl Part {
                 each("fits", &part.fits, identify::FitRecord::validate)?;
                 each("histories", &part.histories, |h| h.series.validate())
             }
-            Part::Compare(_) | Part::Precision(_) | Part::Check(_) => Ok(()),
+            Part::Compare(_) | Part::Check(_) => Ok(()),
         }
     }
 
@@ -179,7 +173,6 @@ pub(crate) fn files() -> Vec<FileDescription> {
         compare::paths::members().described(),
         compare::paths::shafts().described(),
         compare::paths::load_sharing().described(),
-        precision::csv::columns().described(),
         stability::csv::cells().described(),
         stability::csv::limits().described(),
         stability::csv::times_of_runs().described(),
@@ -276,7 +269,6 @@ fn of_views(views: &[View<'_>]) -> Result<StudyReport, DrawError> {
     let results = view.results;
     let mut report = match &results.part {
         Part::Compare(_) => compare::report(views),
-        Part::Precision(_) => precision::report(view),
         Part::Stability(part) => stability::report(part),
         Part::Choose(part) => choose::report(&part.choice),
         Part::Check(part) => check::report(part),

@@ -168,8 +168,13 @@ fn table(results: &Results) -> CsvTable {
 /// Returns `runs.csv` of a record whose study has written `tables`; `None` where nothing was run.
 pub fn of_study(results: &Results, tables: &[CsvTable]) -> Option<CsvTable> {
     match results.study() {
-        Study::Compare | Study::Precision | Study::Sweep | Study::RunUp
-            if !results.runs.is_empty() =>
+        Study::Compare | Study::Sweep | Study::RunUp if !results.runs.is_empty() => {
+            Some(table(results))
+        }
+        // A table with several rows for a run, as one for each reference, is no table of runs.
+        Study::Tabular
+            if !results.runs.is_empty()
+                && tables.first().is_some_and(|t| t.rows.len() > results.runs.len()) =>
         {
             Some(table(results))
         }

@@ -4,6 +4,8 @@
 //! A study declares its columns once (`gearbench::studies::tabular`). A chart names the keys of its columns
 //! ([`TableChart`]).
 
+mod front;
+
 use super::StudyReport;
 use crate::columns::{Column as DeclaredColumn, Columns, FileDescription, Value};
 use crate::csv_table::named_unit;
@@ -21,6 +23,7 @@ use crate::record::Status;
 use crate::record::checks::each;
 use crate::studies::compare::histories;
 use crate::view::{View, capital};
+pub use front::{FrontPanel, TableFront};
 use maud::{Markup, html};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
@@ -34,6 +37,8 @@ pub const MODEL: &str = "model";
 pub const STATUS: &str = "status";
 /// Key of the column with the reason of a failure.
 pub const MESSAGE: &str = "message";
+/// Key of the column with the reference of the errors of a row, in tables with a row for each of them.
+pub const AGAINST: &str = "against";
 
 /// The part of a record of a study whose results are one table.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -180,6 +185,9 @@ pub struct TableChart {
     /// Name of the rows without abscissa, which are horizontal lines; empty if there are none to be drawn.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub limit: String,
+    /// Pareto fronts; without them a chart has a curve for each group.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub front: Option<TableFront>,
 }
 
 impl<R> Columns<'_, R> {
@@ -232,7 +240,8 @@ impl TabularRecord {
             let marks = marks.into_iter().chain(grouped);
             let further = [&c.panels_by, &c.verticals];
             let further = further.into_iter().filter(|key| !key.is_empty());
-            let further = further.chain(marks).chain([&c.abscissa]);
+            let of_front = c.front.iter().flat_map(TableFront::keys);
+            let further = further.chain(marks).chain([&c.abscissa]).chain(of_front);
             for key in c.ordinates.iter().chain(further) {
                 if self.column(key).is_none() {
                     return Err(format!("there is no column `{key}`"));
@@ -354,6 +363,9 @@ impl TabularRecord {
     }
 
     fn chart(&self, spec: &TableChart) -> Result<Option<Chart>, DrawError> {
+        if let Some(front) = &spec.front {
+            return self.front_chart(spec, front);
+        }
         let Some(abscissa) = Quantity::of(self, &spec.abscissa, false) else {
             return Ok(None);
         };
@@ -559,9 +571,11 @@ pub(super) fn report(view: &View<'_>, record: &TabularRecord) -> Result<StudyRep
         (first.unwrap_or_default())
         @for (title, content) in all { (section(title, content)) }
     };
-    let details = match view.results.runs.is_empty() {
-        true => Markup::default(),
-        false => runs::all(view),
+    // Rows by reference have the metrics of all runs already.
+    let details = match (view.results.runs.as_slice(), record.column(AGAINST)) {
+        ([], _) => Markup::default(),
+        (_, Some(_)) => runs::failures(view),
+        (_, None) => runs::all(view),
     };
     Ok(StudyReport {
         finding: record.finding.iter().map(|s| prose(s)).collect(),

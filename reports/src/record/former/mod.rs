@@ -2,7 +2,7 @@
 //!
 //! | difference | converted by |
 //! |---|---|
-//! | former studies of penalties and of numbers of modes have their quantities in their runs, now they are rows of their table | `tables` |
+//! | former studies of penalties, of numbers of modes and of error over cost have their quantities in their runs, now they are rows of their table | `tables` |
 //! | schema 1, and schema 2 before its release, have columns of the first mesh and of the first two gears without their names | `columns` |
 
 mod columns;

@@ -1,17 +1,24 @@
-//! Studies whose quantities were in their runs, and are rows of a table now: penalties in schema 1, numbers of modes in
-//! schema 2 before its release; choices on random scenes and runs with a host, which had lists of their own.
+//! Studies whose quantities were in their runs, and are rows of a table now: penalties in schema 1, numbers of modes and
+//! error over cost in schema 2 before its release; choices on random scenes and runs with a host, which had lists of
+//! their own.
 
 use crate::columns::{Columns, Value as Cell};
 use crate::markup::column::Format;
+use crate::metrics::Metric;
 use crate::record::SCHEMA;
-use crate::studies::tabular::{TableChart, TabularRecord};
+use crate::studies::tabular::{
+    AGAINST, FrontPanel, TableChart, TableFront, TableRow, TabularRecord,
+};
 use crate::view::capital;
 use serde_json::{Value, json};
 
 /// Names of the studies whose records are converted.
-pub const STUDIES: [&str; 4] = ["penalty", "truncation", CHOICES, COUPLING];
+pub const STUDIES: [&str; 5] = ["penalty", "truncation", PRECISION, CHOICES, COUPLING];
+const PRECISION: &str = "precision";
 const CHOICES: &str = "choice-check";
 const COUPLING: &str = "coupling";
+/// The finding of a table that is made from a former record.
+const FINDING: &str = "The record is of an earlier version, without a stored finding.";
 
 /// Converts a record of one of the studies; false if it is one of another study.
 ///
@@ -24,6 +31,7 @@ pub fn upgrade(record: &mut Value) -> serde_json::Result<bool> {
     match name {
         CHOICES => return choices(record),
         COUPLING => return couplings(record),
+        PRECISION => return precision(record),
         _ => {}
     }
     let runs = record["runs"].as_array().cloned().unwrap_or_default();
@@ -37,7 +45,7 @@ pub fn upgrade(record: &mut Value) -> serde_json::Result<bool> {
     let table = TabularRecord {
         name: name.into(),
         rows_are: "One row per run".into(),
-        finding: vec!["The record is of an earlier version, without a stored finding.".into()],
+        finding: vec![FINDING.into()],
         rows: rows.collect(),
         charts: vec![TableChart {
             file: name.into(),
@@ -90,7 +98,7 @@ fn couplings(record: &mut Value) -> serde_json::Result<bool> {
     let table = TabularRecord {
         name: COUPLING.into(),
         rows_are: "One row per run".into(),
-        finding: vec!["The record is of an earlier version, without a stored finding.".into()],
+        finding: vec![FINDING.into()],
         rows: rows.iter().map(|r| columns.recorded_row(r)).collect(),
         charts: vec![TableChart {
             file: "coupling_error".into(),
@@ -137,10 +145,70 @@ fn choices(record: &mut Value) -> serde_json::Result<bool> {
     let table = TabularRecord {
         name: "choice_check".into(),
         rows_are: "one row per scene".into(),
-        finding: vec!["The record is of an earlier version, without a stored finding.".into()],
+        finding: vec![FINDING.into()],
         rows: list.iter().map(|r| columns.recorded_row(&r)).collect(),
         columns: columns.recorded(),
         grouped_by: "kind".into(),
+        ..TabularRecord::default()
+    };
+    put(record, &table)
+}
+
+/// Errors over cost: a row per run and reference, a chart of the front for each reference.
+#[rustfmt::skip]
+fn precision(record: &mut Value) -> serde_json::Result<bool> {
+    type Row<'a> = (&'a Value, &'a Value);
+    let runs = record["runs"].as_array().cloned().unwrap_or_default();
+    let mut rows: Vec<Row<'_>> = Vec::new();
+    for run in &runs {
+        let metrics = run["metrics"].as_array().filter(|all| !all.is_empty());
+        match metrics {
+            Some(all) => rows.extend(all.iter().map(|m| (run, m))),
+            None => rows.push((run, &Value::Null)),
+        }
+    }
+    let text = |key: &'static str| move |(r, _): &Row<'_>| r[key].as_str().map(str::to_owned);
+    let number = |key: &'static str| move |(r, _): &Row<'_>| r[key].as_f64();
+    let count = |key: &'static str| move |(r, _): &Row<'_>| r[key].as_u64();
+    let metric = record["metrics"][0].as_str().and_then(|key| Metric::ALL.into_iter().find(|m| m.key() == key)).unwrap_or_default();
+    let error = move |(_, m): &Row<'_>| m[metric.key()].as_f64();
+    let columns = Columns::<Row<'_>>::of("precision.csv", "One row per run and reference")
+        .model(|(r, _)| label(r))
+        .add("modes", "modes per gear", count("modes")).shown("Modes", Format::Plain).result()
+        .integrator(|(r, _)| word(&r["integrator"])).shown("Integrator", Format::Text).result()
+        .add("step_s", "fixed step", number("step_s")).shown("Step", Format::Numbers(3)).result()
+        .add("rtol", "relative tolerance of an adaptive method", number("rtol")).shown("Tolerance", Format::Powers).result()
+        .add("status", "end of the run", text("status")).shown("Status", Format::Text)
+        .add("fitted_to", "reference to which the model's constants were fitted", text("fitted_to")).shown("Fitted to", Format::Text)
+        .add(AGAINST, "reference of the errors in this row", |(_, m)| m["against"].as_str().map(str::to_owned)).shown("Against", Format::Text).result()
+        .add(metric.key(), metric.meaning(), error).shown(&capital(metric.words()), Format::Percents(3)).result()
+        .add("cpu_s", "processor time, or wall time", |(r, _)| r["cpu_s"].as_f64().or(r["wall_s"].as_f64())).shown("Processor time", Format::Durations).result()
+        .add("steps", "accepted steps", count("steps")).shown("Steps", Format::Counts)
+        .add("message", "reason of a failure, or a note", text("message"));
+    let mut references: Vec<&str> = rows.iter().filter_map(|(_, m)| m["against"].as_str()).collect();
+    references.sort_unstable();
+    references.dedup();
+    let chart = |(k, id): (usize, &&str)| TableChart {
+        file: match k { 0 => PRECISION.into(), k => format!("{PRECISION}_{}", k + 1) },
+        title: format!("{} against {id}, over processor time", capital(metric.words())),
+        caption: "Every point is a run; those on the front are strong and named.".into(),
+        abscissa: "cpu_s".into(),
+        ordinates: vec![metric.key().into()],
+        front: Some(TableFront {
+            panels: vec![FrontPanel { title: String::new(), rows: TableRow::of([(AGAINST.into(), (*id).into())]) }],
+            named_by: ["integrator", "modes", "step_s", "rtol"].map(String::from).to_vec(),
+            without: "fitted_to".into(),
+            ..TableFront::default()
+        }),
+        ..TableChart::default()
+    };
+    let table = TabularRecord {
+        name: PRECISION.into(),
+        rows_are: "one row per run and reference".into(),
+        finding: vec![FINDING.into()],
+        rows: rows.iter().map(|r| columns.recorded_row(r)).collect(),
+        charts: references.iter().enumerate().map(chart).collect(),
+        columns: columns.recorded(),
         ..TabularRecord::default()
     };
     put(record, &table)
@@ -192,6 +260,13 @@ fn truncation<'a>(columns: Columns<'a, &'a Value>) -> (Columns<'a, &'a Value>, T
         ..TableChart::default()
     };
     (columns, chart)
+}
+
+fn label(run: &Value) -> String {
+    match run["variant"].as_str() {
+        Some(variant) => format!("{}, {variant}", word(&run["model"])),
+        None => word(&run["model"]),
+    }
 }
 
 fn word(value: &Value) -> String {

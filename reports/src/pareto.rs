@@ -1,4 +1,4 @@
-//! The Pareto front of cost and error, and the factor between the cheapest points of two groups.
+//! The Pareto front of cost and error.
 //!
 //! A point dominates another when its cost and its error are no larger and one of them is smaller. The points that no
 //! other dominates are the Pareto front. Nothing is interpolated: every statement is about points of runs. Points whose
@@ -47,35 +47,6 @@ pub fn cheapest(points: &[Point], limit: f64) -> Option<usize> {
     (0..points.len()).filter(within).min_by(|&a, &b| {
         (points[a].cost.total_cmp(&points[b].cost))
             .then(points[a].error.total_cmp(&points[b].error))
-    })
-}
-
-/// The cheapest of some points and of the others, both within the same limit of the error.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct CheapestPair {
-    /// Index of the cheapest point of the first group.
-    pub ours: usize,
-    /// Index of the cheapest of the other points; `None` when none of them is within the limit.
-    pub next: Option<usize>,
-    /// Cost of `next` over that of `ours`; below one `next` is cheaper.
-    pub factor: Option<f64>,
-}
-
-/// Compares the cheapest points with and without `mine` within a limit of the error; `None` when none with `mine` is
-/// within it.
-pub fn lead(points: &[Point], mine: &[bool], limit: f64) -> Option<CheapestPair> {
-    let of = |wanted: bool| {
-        let theirs = |i: usize| mine.get(i) == Some(&wanted);
-        let kept: Vec<usize> = (0..points.len()).filter(|i| theirs(*i)).collect();
-        let some: Vec<Point> = kept.iter().map(|&i| points[i]).collect();
-        cheapest(&some, limit).map(|k| kept[k])
-    };
-    let ours = of(true)?;
-    let next = of(false);
-    Some(CheapestPair {
-        ours,
-        next,
-        factor: next.map(|n| points[n].cost / points[ours].cost),
     })
 }
 
@@ -141,30 +112,5 @@ mod tests {
         assert_eq!(front(&p), [7]);
         assert_eq!(cheapest(&p, f64::INFINITY), Some(7));
         assert_eq!(cheapest(&p, 0.2), None);
-    }
-
-    #[test]
-    fn the_lead_compares_points_that_are_there() {
-        let p = points(&[
-            (1.0, 0.04),
-            (3.0, 0.008),
-            (2.0, 0.05),
-            (30.0, 0.009),
-            (0.5, 0.2),
-        ]);
-        let mine = [true, true, false, false, false];
-        let at = |limit| lead(&p, &mine, limit).unwrap();
-        assert_eq!(
-            (at(0.05).ours, at(0.05).next, at(0.05).factor),
-            (0, Some(2), Some(2.0))
-        );
-        // At 1 % ours is the second and theirs the fourth; what lies between plays no part.
-        assert_eq!(
-            (at(0.01).ours, at(0.01).next, at(0.01).factor),
-            (1, Some(3), Some(10.0))
-        );
-        assert_eq!((at(0.0085).next, at(0.0085).factor), (None, None));
-        assert_eq!(at(0.2).factor, Some(0.5));
-        assert_eq!(lead(&p, &mine, 0.001), None);
     }
 }
