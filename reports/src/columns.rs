@@ -236,7 +236,7 @@ impl<'c, R: 'c> Columns<'c, R> {
     }
 
     /// Adds the column of the reference of a comparison.
-    pub fn against(self, value: impl Fn(&R) -> String + 'c) -> Self {
+    pub fn against<T: Into<Value>>(self, value: impl Fn(&R) -> T + 'c) -> Self {
         let meaning =
             "reference of the errors in this row; `self`: the converged solution of the same model";
         self.add("against", meaning, value)

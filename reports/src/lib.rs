@@ -47,4 +47,4 @@ pub use studies::{
     StudyReport, check, compare as comparison, finding, identify, measured_lines, modes,
     response, run_up, runs, scan, stability, stiffness, sweep, tabular,
 };
-pub use view::{metric_against, yardstick_of};
+pub use view::{NOTHING, capital, metric_against, yardstick_of};

@@ -15,7 +15,7 @@ use crate::studies::coupling::Coupling;
 use crate::studies::identify::{self, arguments::Identify};
 use crate::studies::modes::{self, arguments::Modes};
 use crate::studies::penalty::Penalty;
-use crate::studies::precision::{self, arguments::Precision};
+use crate::studies::precision::Precision;
 use crate::studies::response::{self, arguments::Response};
 use crate::studies::run_up::{self, arguments::RunUp};
 use crate::studies::scan::{self, arguments::Scan};
@@ -81,8 +81,6 @@ studies! {
     "compare" in "Compare and choose": Compare(Compare) runs compare::command::run, writes run.bounded.output;
     /// Choose the cheapest model, integrator and step that meet a tolerance on a scene, with reasons
     "choose" in "Compare and choose": Choose(Choose) runs choose::command::run, writes run.output;
-    /// Compute error and cost of every model, integrator and resolution of a scene, and the Pareto front
-    "precision" in "Compare and choose": Precision(Precision) runs precision::command::run, writes output;
     /// Map the stability of integrators over step size and stiffness, damping, speed or modes, and compare it with
     /// theory
     "stability" in "Compare and choose": Stability(Stability) runs stability::command::run, writes run.output;
@@ -107,6 +105,7 @@ studies! {
     "cost" in "Compare and choose": Cost;
     "truncation" in "Compare and choose": Truncation;
     "coupling" in "Data, meshes and other programs": Coupling;
+    "precision" in "Compare and choose": Precision;
 }
 
 impl Default for StudyCommand {

@@ -4,7 +4,7 @@
 //! The study compares nothing with a reference, so that it also answers for scenes without one. Errors and cost together
 //! are the subject of `precision`.
 
-use super::tabular::{Cell, Measured, Others, TabularStudy};
+use super::tabular::{Cell, Line, Measured, Others, TabularStudy};
 use crate::cli::arguments::{BoundedOutput, TimedOutput};
 use crate::cli::terminal::{Refusal, integrators_of};
 use crate::cli::values::{DEFAULT_SCENE, positive};
@@ -51,13 +51,13 @@ pub struct Cost {
 }
 
 /// Processor time over simulated time; `None` for a run that did not end well.
-fn per_second(f: &&Measured<Cost>) -> Option<f64> {
+fn per_second(f: &Measured<Cost>) -> Option<f64> {
     let ended = !f.run.status.is_failure() && f.run.simulated_s > 0.0;
     ended.then(|| f.run.cost_s() / f.run.simulated_s)
 }
 
 /// Processor time over a count of the run.
-fn over(count: fn(&Run) -> u64) -> impl Fn(&&Measured<Cost>) -> Option<f64> {
+fn over(count: fn(&Run) -> u64) -> impl Fn(&Line<'_, Cost>) -> Option<f64> {
     move |f| (count(&f.run) > 0).then(|| f.run.cost_s() / count(&f.run) as f64)
 }
 
@@ -119,13 +119,13 @@ impl TabularStudy for Cost {
     }
 
     #[rustfmt::skip]
-    fn columns<'a>(columns: Columns<'a, &'a Measured<Self>>) -> Columns<'a, &'a Measured<Self>> {
-        let estimate = |f: &&Measured<Self>| Some(per_second(f)? * f.cell.at);
-        let evaluations = |f: &&Measured<Self>| (f.run.steps > 0).then(|| f.run.force_evaluations as f64 / f.run.steps as f64);
+    fn columns<'a>(columns: Columns<'a, Line<'a, Self>>) -> Columns<'a, Line<'a, Self>> {
+        let estimate = |f: &Line<'_, Self>| Some(per_second(f)? * f.cell.at);
+        let evaluations = |f: &Line<'_, Self>| (f.run.steps > 0).then(|| f.run.force_evaluations as f64 / f.run.steps as f64);
         columns
             .add("dofs", "coordinates", |f| f.run.dofs).shown("Coordinates", Format::Counts).result()
             .add("cpu_s", "processor time of the integration, median of the repeats", |f| f.run.cost_s()).shown("Time of the run", Format::Durations).result()
-            .add("cpu_per_simulated_time", "processor time over simulated time", per_second).shown("Time over simulated time", Format::Short(3)).result()
+            .add("cpu_per_simulated_time", "processor time over simulated time", |f| per_second(f)).shown("Time over simulated time", Format::Short(3)).result()
             .add("estimate_s", "processor time of the simulated time of --simulate, if it is like that of the scene", estimate).shown("Estimate", Format::Durations).result()
             .add("cpu_per_step_s", "processor time of an accepted step", over(|r| r.steps)).shown("Time of a step", Format::Durations).result()
             .add("cpu_per_evaluation_s", "processor time over the number of evaluations of the contact forces", over(|r| r.force_evaluations)).shown("Time of an evaluation", Format::Durations).result()
@@ -134,7 +134,7 @@ impl TabularStudy for Cost {
             .add("setup_s", "wall time before the first step", |f| f.run.setup_s).shown("Set-up", Format::Durations)
     }
 
-    fn charts(&self) -> Vec<TableChart> {
+    fn charts(&self, _: &[&Measured<Self>]) -> Vec<TableChart> {
         vec![TableChart {
             file: "cost".into(),
             title: "Cost over the number of coordinates".into(),

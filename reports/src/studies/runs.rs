@@ -174,7 +174,9 @@ pub fn of_study(results: &Results, tables: &[CsvTable]) -> Option<CsvTable> {
         // A table with several rows for a run, as one for each reference, is no table of runs.
         Study::Tabular
             if !results.runs.is_empty()
-                && tables.first().is_some_and(|t| t.rows.len() > results.runs.len()) =>
+                && tables
+                    .first()
+                    .is_some_and(|t| t.rows.len() > results.runs.len()) =>
         {
             Some(table(results))
         }

@@ -114,6 +114,13 @@ pub struct TableColumn {
     pub rank: Rank,
 }
 
+impl TableColumn {
+    /// Shows the column on pages as one with results.
+    pub fn show(&mut self, heading: String, format: Format) {
+        (self.heading, self.format, self.rank) = (heading, format, Rank::Result);
+    }
+}
+
 /// A row of the table: its values by the keys of the columns; a value that is absent has no key.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
@@ -334,7 +341,10 @@ impl TabularRecord {
         match self.summaries.is_empty() {
             true => self.table().lines(),
             false => {
-                let of = |t: &SummaryTable| self.summary(t).lines();
+                let of = |t: &SummaryTable| {
+                    let title = std::iter::once(t.title.clone());
+                    title.chain(self.summary(t).lines()).collect::<Vec<_>>()
+                };
                 self.summaries.iter().flat_map(of).collect()
             }
         }

@@ -1,8 +1,9 @@
 //! Arguments of `precision`.
 
-use crate::cli::arguments::{AnyReference, BudgetedOutput, Output};
-use crate::cli::values::{DEFAULT_REPEATS, metric, number, positive, time};
-use clap::Args;
+use super::plan::Plan;
+use crate::cli::arguments::{AnyReference, BoundedOutput, BudgetedOutput};
+use crate::cli::values::{DEFAULT_REPEATS, metric, number, time};
+use clap::{Arg, Args};
 use gearbench_reports::Metric;
 
 const EXAMPLES: &str = "\
@@ -23,6 +24,10 @@ References are the stored reference of the scene and its models `fe` with a fine
 references that have its contact. Without a reference, the elastic model with the most modes serves as one. A
 reference named with --against applies to all models, and the report states where contacts differ.
 
+If a run exceeds --timeout, runs of its model and integrator with finer resolution are left out. References and
+converged solutions have a limit on their steps instead: if a solution exceeds it, the next coarser tolerance is used,
+and the finding reports this.
+
 Metrics: force, force-aligned, peak, impulse, rebound, transmission-error, angle, torque, torque-peak, energy; or
 their keys in results.json.
 
@@ -30,9 +35,12 @@ Defaults come from [study] precision of the scene. Results besides report and re
 out/SCENE/precision/):
   precision.csv   one line per run and reference: errors, cost, work, whether it is on the Pareto front";
 
-/// Arguments of `precision`.
+/// Default limit on the processor time of one run [s].
+const TIMEOUT: &str = "20";
+
+/// Compute error and cost of every model, integrator and resolution of a scene, and the Pareto front
 #[derive(Args, Clone, Debug)]
-#[command(after_help = EXAMPLES)]
+#[command(after_help = EXAMPLES, mut_args = with_timeout)]
 pub struct Precision {
     /// Name of a shipped scene, or path of a scene file (.toml)
     pub scene: String,
@@ -42,26 +50,28 @@ pub struct Precision {
     /// What is compared, and with what.
     #[command(flatten)]
     pub asked: PrecisionOptions,
-    /// Where results go.
+    /// Where results go, and how long a run may take.
     #[command(flatten)]
-    pub output: Output,
+    pub bounded: BoundedOutput,
     /// Least number of timed repetitions of each run; short runs are repeated more often
     #[arg(long, value_name = "N", default_value_t = DEFAULT_REPEATS, value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub repeats: u32,
-    /// Limit on the processor time of one run in seconds; a run beyond it is recorded as a timeout, and runs with finer
-    /// resolution are left out
-    ///
-    /// The limit counts the integration and the recording of its histories. References and converged solutions have a
-    /// limit on their steps instead: if a solution exceeds it, the next coarser tolerance is used, and the record and
-    /// the terminal report this.
-    #[arg(long, value_name = "S", default_value_t = 20.0, value_parser = positive)]
-    pub timeout: f64,
     /// How long the whole study may take.
     #[command(flatten)]
     pub budget: BudgetedOutput,
     /// Whether a reference of other gears will do.
     #[command(flatten)]
     pub insist: AnyReference,
+    /// Variants, references and metrics, once the scene is known.
+    #[arg(skip)]
+    pub(super) plan: Plan,
+}
+
+fn with_timeout(argument: Arg) -> Arg {
+    match argument.get_id() == "timeout" {
+        true => argument.default_value(TIMEOUT),
+        false => argument,
+    }
 }
 
 /// What the command line asks for; what it leaves out is the scene's.
@@ -116,6 +126,7 @@ mod tests {
         let steps = "--steps 500ns,1us,2e-6 --rtols 1e-3,1e-5 --modes 0,35";
         let metrics = "--metric force-aligned,peak,energy_drift_rel";
         let p = parse(&format!("hammer {steps} {metrics}")).unwrap();
+        assert_eq!(p.bounded.timeout, 20.0);
         assert_eq!(p.asked.steps, [500.0 * 1e-9, 1e-6, 2e-6]);
         assert_eq!(
             (p.asked.rtols, p.asked.modes),

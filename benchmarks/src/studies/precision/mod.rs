@@ -7,14 +7,15 @@
 //! together, and its distance to the reference is what a user of the model gets. References are computed once, before
 //! all runs. Every failure is a row. Runs are timed without observers, short ones often enough for a median.
 
-pub(crate) mod arguments;
-pub(crate) mod command;
+mod arguments;
+mod converged;
 mod plan;
 mod references;
 mod resolutions;
-mod run;
+mod results;
 pub mod scene;
-mod summary;
+mod study;
+#[cfg(test)]
+mod tests;
 
-pub use plan::Plan;
-pub use run::study;
+pub(crate) use arguments::Precision;

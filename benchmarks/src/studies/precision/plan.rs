@@ -3,27 +3,21 @@
 use super::arguments::PrecisionOptions;
 use super::references::{references, references_for};
 use super::resolutions::Resolutions;
-use crate::experiment::conditions::Conditions;
 use crate::experiment::configuration::Configuration;
-use crate::experiment::reference_series::recorded;
 use crate::scene_file::{ModelChoice, SceneFile};
 use gearbench_integrators::scheme::SchemeRequest;
 use gearbench_integrators::{MethodError, Scheme};
 use gearbench_models::gear::parameters::ModelParameters;
-use gearbench_reference::data::Reference;
 use gearbench_reference::full_order::FullOrderParameters;
 use gearbench_reference::reduction::ElasticParameters;
 use gearbench_reports::Metric;
 use gearbench_reports::record::ReferenceSeries;
 use std::collections::HashSet;
-use std::time::Duration;
 
 /// Default numbers of modes per gear.
 pub const COUNTS: [usize; 6] = [0, 10, 35, 70, 100, 150];
 /// Id of the full-order model, the reference of the others.
 pub(super) const FULL: &str = FullOrderParameters::MODEL;
-/// Steps of one integration at most: a timeout that does not depend on the machine.
-const MOST_STEPS: u64 = 20_000_000;
 
 /// Model with a number of modes, and its series of resolutions.
 #[derive(Clone, Debug)]
@@ -35,16 +29,6 @@ pub struct Variant {
     pub methods: Vec<Scheme>,
     /// Ids of the references that the variant is compared with.
     pub against: Vec<String>,
-}
-
-impl Variant {
-    /// Returns the label of the variant for progress output and settings.
-    pub fn label(&self) -> String {
-        match self.modes {
-            Some(n) => format!("{}, {n} modes", self.entry.label),
-            None => self.entry.label.clone(),
-        }
-    }
 }
 
 /// Reference that the study computes.
@@ -61,18 +45,20 @@ pub struct Full {
 }
 
 /// Plan of a study of accuracy against cost.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Plan {
-    pub conditions: Conditions,
     /// Models with their series of resolutions.
     pub variants: Vec<Variant>,
+    /// References that the study computes.
     pub fulls: Vec<Full>,
-    /// References from measurements or other programs.
-    pub external: Vec<ReferenceSeries>,
+    /// Ids of the references from measurements or other programs that a variant is compared with.
+    pub external: Vec<String>,
     /// Metrics of the errors, the most important first.
     pub metrics: Vec<Metric>,
-    /// Least total time of the repeats of a short run.
-    pub timed: Duration,
+    /// Settings that name the references of each model.
+    pub settings: Vec<(String, String)>,
+    /// True if contact events are located.
+    pub events: bool,
 }
 
 impl Plan {
@@ -83,20 +69,17 @@ impl Plan {
     pub fn of(
         scene: &SceneFile,
         choices: &[&ModelChoice],
-        elsewhere: &[Reference],
+        external: &[ReferenceSeries],
         asked: &PrecisionOptions,
     ) -> Result<Plan, String> {
-        let own = &scene.study.precision;
-        let recorded = elsewhere.iter().map(|r| recorded(r, &scene.spec));
-        let external: Vec<ReferenceSeries> = recorded.collect();
         let mut variants = Vec::new();
         for choice in choices {
             variants.extend(variants_of(scene, choice, asked)?);
         }
-        let fulls = references(scene, choices, &variants, &external, asked)?;
+        let fulls = references(scene, choices, &variants, external, asked)?;
         let mut settings = Vec::new();
         for variant in &mut variants {
-            let akin = references_for(scene, variant, &fulls, &external);
+            let akin = references_for(scene, variant, &fulls, external);
             let stored = external.iter().map(|e| e.id.as_str());
             if variant
                 .entry
@@ -134,26 +117,17 @@ impl Plan {
                 },
             ));
         }
-        let held = |e: &ReferenceSeries| variants.iter().any(|v| v.against.contains(&e.id));
-        let external = external.into_iter().filter(held).collect();
+        let is_used = |id: &String| variants.iter().any(|v| v.against.contains(id));
         Ok(Plan {
-            conditions: Conditions {
-                duration: own.duration.unwrap_or(scene.duration),
-                settings,
-                max_steps: MOST_STEPS,
-                ..Conditions::of(scene).compared_with(&scene.spec, elsewhere)
-            },
+            external: (external.iter().map(|e| e.id.clone()))
+                .filter(is_used)
+                .collect(),
             variants,
             fulls,
-            external,
             metrics: metrics(scene, asked),
-            timed: Duration::ZERO,
+            settings,
+            events: scene.study.events,
         })
-    }
-
-    /// Returns the number of runs, references included.
-    pub fn len(&self) -> usize {
-        self.fulls.len() + self.variants.iter().map(|v| v.methods.len()).sum::<usize>()
     }
 }
 

@@ -176,7 +176,7 @@ fn precision(record: &mut Value) -> serde_json::Result<bool> {
         .model(|(r, _)| label(r))
         .add("modes", "modes per gear", count("modes")).shown("Modes", Format::Plain).result()
         .integrator(|(r, _)| word(&r["integrator"])).shown("Integrator", Format::Text).result()
-        .add("step_s", "fixed step", number("step_s")).shown("Step", Format::Numbers(3)).result()
+        .add("step_s", "fixed step", number("step")).shown("Step", Format::Numbers(3)).result()
         .add("rtol", "relative tolerance of an adaptive method", number("rtol")).shown("Tolerance", Format::Powers).result()
         .add("status", "end of the run", text("status")).shown("Status", Format::Text)
         .add("fitted_to", "reference to which the model's constants were fitted", text("fitted_to")).shown("Fitted to", Format::Text)

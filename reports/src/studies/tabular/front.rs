@@ -287,8 +287,7 @@ impl TabularRecord {
             }
         }
         let line = |(group, value): (usize, &'r str)| {
-            let has =
-                |p: &Plotted<'_>| p.group == group && p.row.text(&of.joined_by) == value;
+            let has = |p: &Plotted<'_>| p.group == group && p.row.text(&of.joined_by) == value;
             (rows.front(has), value)
         };
         keys.into_iter().map(line).collect()
