@@ -44,7 +44,7 @@ TABLES = {
 STUDIES = {
     "compare": "CompareResult",
     "choose": "ChooseResult",
-    "precision": "PrecisionResult",
+    "precision": "TabularResult",
     "stability": "StabilityResult",
     "truncation": "TabularResult",
     "stiffness": "StiffnessResult",

@@ -15,7 +15,6 @@ from .records import (
     CouplingResult,
     IdentifyResult,
     ModesResult,
-    PrecisionResult,
     ResponseResult,
     RunUpResult,
     ScanResult,
@@ -100,7 +99,7 @@ def precision(
     budget: float | None = ...,
     any_reference: bool | None = ...,
     memory: float | None = ...,
-) -> PrecisionResult:
+) -> TabularResult:
     """Compute error and cost of every model, integrator and resolution of a scene, and the Pareto front."""
 
 def stability(

@@ -579,10 +579,10 @@ fn numbers_at_the_ends_of_their_range_have_a_report() {
         (pages::stability(), "/maps/0/set", json!(1u64 << 63)),
         (pages::choose(), "/choice/tried/0/error", json!(5e-324)),
         (pages::choose(), "/choice/tried/0/cost_s", json!(5e-324)),
-        (precision::results(), "/runs/0/wall_s", json!(5e-324)),
+        (precision::results(), "/rows/0/cpu_s", json!(5e-324)),
         (
             precision::results(),
-            "/runs/0/metrics/0/force_l2_aligned",
+            "/rows/0/force_l2_aligned",
             json!(5e-324),
         ),
     ] {

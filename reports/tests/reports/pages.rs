@@ -192,8 +192,8 @@ fn the_columns_at_the_end_are_at_a_glance() {
         ),
         (
             "precision",
-            "Cheapest run of each model",
-            &["Within 0.5", "Least error"],
+            "One row per run and reference",
+            &["Against", "Processor time"],
         ),
     ] {
         let page = pages().into_iter().find(|p| p.0 == study).unwrap().1;

@@ -1,12 +1,12 @@
-//! The report of accuracy against cost, on made-up runs whose front is known.
+//! Charts of error over cost, on made-up runs of a former record whose front is known.
 
-use crate::{contents, finding, has_only_numbers, holds, written};
-use gearbench_reports::precision::{Cost, Precision, PrecisionRecord};
+use crate::{contents, has_only_numbers, holds, written};
 use gearbench_reports::store::PAGE;
 use gearbench_reports::{
-    Metric, Metrics, Part, ReferenceSeries, Results, Run, Status, StudyHeader, TimeSeries,
+    Metrics, Part, RECORD, ReferenceSeries, Results, Run, Status, StudyHeader, TimeSeries,
     load_results, write_results,
 };
+use serde_json::json;
 
 /// Makes a run from model, integrator, step, wall time [ms], and errors against the reference and its own solution [%].
 fn run(model: &str, integrator: &str, step: f64, wall_ms: f64, error: f64, own: f64) -> Run {
@@ -34,12 +34,6 @@ fn run(model: &str, integrator: &str, step: f64, wall_ms: f64, error: f64, own: 
         dofs: 2,
         metrics: vec![metrics("fe", error), metrics("self", own)],
         ..Run::default()
-    }
-}
-
-fn part() -> PrecisionRecord {
-    PrecisionRecord {
-        metrics: vec![Metric::ForceL2Aligned, Metric::PeakForceRel],
     }
 }
 
@@ -102,14 +96,13 @@ pub fn results() -> Results {
         r.message = Some(message.into());
         runs.push(r);
     }
-    Results {
+    let record = Results {
         header: StudyHeader {
             scene: "made_up".into(),
             title: "A made-up impact".into(),
             command: "gearbench precision made_up".into(),
             ..StudyHeader::default()
         },
-        part: Part::Precision(part()),
         references: vec![ReferenceSeries {
             id: "fe".into(),
             title: "full finite elements".into(),
@@ -119,127 +112,60 @@ pub fn results() -> Results {
         }],
         runs,
         ..Results::default()
-    }
+    };
+    former(&record)
+}
+
+/// Reads a record as one of a former version, whose study had metrics and runs alone.
+fn former(record: &Results) -> Results {
+    let mut value = serde_json::to_value(record).unwrap();
+    value["study"] = json!("precision");
+    value["metrics"] = json!(["force_l2_aligned", "peak_force_rel"]);
+    let dir = tempfile::tempdir().unwrap();
+    std::fs::write(dir.path().join(RECORD), value.to_string()).unwrap();
+    load_results(dir.path()).unwrap()
 }
 
 #[test]
-fn files_and_finding() {
-    let files = written(&results());
+fn a_former_record_is_a_table_with_fronts() {
+    let results = results();
+    assert_eq!((results.study_name(), results.runs.len()), ("precision", 14));
+    let Part::Tabular(table) = &results.part else {
+        panic!("{:?}", results.part)
+    };
+    assert_eq!(table.rows.len(), 2 * 14);
+    let files = written(&results);
     holds(
         &files,
-        &[
-            "precision_model.svg",
-            "precision_integration.svg",
-            "precision_families.svg",
-            "precision_work.svg",
-            "precision_metric_2.svg",
-            "precision.csv",
-        ],
+        &["precision.svg", "precision_2.svg", "precision.csv", "runs.csv"],
     );
-    let text = finding(&files[PAGE]);
-    // What is named was not fitted; the fit is named as one, with the error that it leaves.
-    assert!(text.contains("among what was not fitted to it"), "{text}");
-    assert!(text.contains("within 1\u{a0}% <b>elastic</b>"), "{text}");
-    assert!(
-        text.contains("Rigid was fitted to this very history: down to 4.00"),
-        "{text}"
-    );
-    assert!(
-        text.contains("the rest of a fit, not a prediction"),
-        "{text}"
-    );
-    // 1 % costs 1 ms; elastic under Verlet keeps it in 10 ms, fe needs 1600.
-    assert!(
-        files[PAGE].contains("\u{d7} 10 faster than elastic under velocity-verlet"),
-        "{}",
-        files[PAGE]
-    );
-    assert!(text.contains("2 of 14 runs failed"), "{text}");
-    let csv = &files["precision.csv"];
-    assert_eq!(csv.lines().count(), 1 + 2 * 14);
-    let on_front = csv.lines().filter(|l| l.contains(",fe,true,")).count();
-    assert_eq!(on_front, 2 + 3 + 1, "{csv}");
-}
-
-#[test]
-fn failures_are_on_their_edge_and_nowhere_else() {
-    let files = written(&results());
-    for chart in ["precision_model.svg", "precision_work.svg"] {
-        for reason in ["blow-up (1)", "timeout (1)"] {
-            assert!(files[chart].contains(reason), "{reason} in {chart}");
-        }
-    }
+    assert_eq!(files["precision.csv"].lines().count(), 1 + 2 * 14);
+    assert_eq!(files["runs.csv"].lines().count(), 1 + 14);
+    let chart = &files["precision.svg"];
+    // The front is named; the point at 0.5 us is as accurate as that at 1 us, and dearer.
+    assert!(chart.contains(">trigonometric, 100 modes, 1\u{a0}\u{b5}s<"), "{chart}");
+    assert!(!chart.contains(">trigonometric, 100 modes, 500\u{a0}ns<"));
+    // Models that were fitted to the reference have a front of their own.
+    assert!(chart.contains("rigid (fitted to fe)") && chart.contains("front of all"));
+    // Every run that ended has a point, which says what it is; the failed ones are crosses at the edge.
+    assert!(chart.contains("elastic, trigonometric, 100 modes, 1\u{a0}\u{b5}s: 0.800\u{a0}%"));
+    assert_eq!(chart.matches("class=\"point\"").count(), 12);
+    assert_eq!(chart.matches("class=\"upright\"").count(), 2);
     assert!(files[PAGE].contains("gone at t = 2 us"));
-    let results = results();
-    let study = Precision::of(&results);
-    let cloud = study.cloud("fe", study.headline(), Cost::Processor);
-    assert_eq!((cloud.shown.len(), cloud.failed.len()), (12, 2));
-    assert!(
-        cloud
-            .front(|_| true)
-            .iter()
-            .all(|i| !cloud.shown[*i].run.status.is_failure())
-    );
 }
 
 #[test]
-fn fitted_models_are_marked_and_set_apart() {
-    let dir = tempfile::tempdir().unwrap();
-    write_results(dir.path(), &results()).unwrap();
-    let files = contents(dir.path());
-    let chart = &files["precision_model.svg"];
-    assert!(chart.contains("rigid (fitted)"));
-    // One table shows the leading run; the effect of fits has rows of its own.
-    let lead = files[PAGE].split("Residual compliance against").nth(1);
-    let lead = lead.and_then(|t| t.split("</section>").next()).unwrap();
-    assert!(
-        lead.contains("nothing fitted") && lead.contains("fits included"),
-        "{lead}"
-    );
-    assert!(lead.contains("\u{d7} 10 faster"), "{lead}");
-    let results = results();
-    let study = Precision::of(&results);
-    let cloud = study.cloud("fe", study.headline(), Cost::Processor);
-    let names = |fitted_too: bool| -> Vec<&str> {
-        let front = cloud.front(|s| fitted_too || !s.is_fitted());
-        front
-            .iter()
-            .map(|i| cloud.shown[*i].run.model.as_str())
-            .collect()
-    };
-    assert_eq!(
-        names(true),
-        ["rigid", "rigid", "elastic", "elastic", "elastic", "fe"]
-    );
-    assert_eq!(
-        names(false),
-        [
-            "rigid-iso",
-            "rigid-iso",
-            "elastic",
-            "elastic",
-            "elastic",
-            "fe"
-        ]
-    );
-    let without = Results {
-        runs: results
-            .runs
-            .iter()
-            .filter(|r| r.fitted_to.is_none())
-            .cloned()
-            .collect(),
-        ..results.clone()
-    };
-    assert!(!written(&without)["precision_model.svg"].contains("fitted"));
+fn without_fits_there_is_one_front() {
+    let mut all = results();
+    all.runs.iter_mut().for_each(|r| r.fitted_to = None);
+    let chart = &written(&former(&all))["precision.svg"];
+    assert!(!chart.contains("fitted") && !chart.contains("front of all"));
 }
 
 #[test]
 fn numbers_that_are_none_reach_no_file() {
     let dir = tempfile::tempdir().unwrap();
     let mut broken = results();
-    broken.runs[0].metrics[0].force_l2_aligned = Some(f64::NAN);
-    broken.runs[1].metrics[0].force_l2_aligned = Some(f64::INFINITY);
     broken.runs[3].wall_s = f64::NAN;
     broken.runs[4].wall_s = f64::INFINITY;
     broken.runs[5].wall_spread_s = Some([f64::NAN, 1.0]);
@@ -256,31 +182,17 @@ fn numbers_that_are_none_reach_no_file() {
 #[test]
 fn bare_records_make_a_page() {
     let dir = tempfile::tempdir().unwrap();
-    let bare = Results {
-        part: Part::Precision(part()),
-        ..Results::default()
-    };
-    write_results(dir.path(), &bare).unwrap();
-    // Without a reference there is the integration error alone.
+    write_results(dir.path(), &former(&Results::default())).unwrap();
+    assert!(!contents(dir.path()).contains_key("precision.svg"));
+    // Runs that all failed have no chart.
     let mut own = results();
-    own.references.clear();
-    for r in &mut own.runs {
-        r.metrics.retain(|m| m.against == "self");
-    }
-    write_results(dir.path(), &own).unwrap();
-    let files = contents(dir.path());
-    assert!(!files.contains_key("precision_model.svg"));
-    assert!(
-        files.contains_key("precision_integration.svg") && files.contains_key("precision_work.svg")
-    );
-    assert!(finding(&files[PAGE]).contains("No run is compared with a reference"));
-    for r in &mut own.runs {
-        r.status = Status::Timeout;
-    }
-    write_results(dir.path(), &own).unwrap();
-    assert!(!contents(dir.path()).contains_key("precision_integration.svg"));
+    own.runs.iter_mut().for_each(|r| r.status = Status::Timeout);
+    write_results(dir.path(), &former(&own)).unwrap();
+    assert!(!contents(dir.path()).contains_key("precision.svg"));
     // Drawn again from the record it is the same to the byte.
+    write_results(dir.path(), &results()).unwrap();
     let before = contents(dir.path());
+    assert!(before.contains_key("precision.svg"));
     gearbench_reports::report_from(dir.path()).unwrap();
     assert_eq!(before, contents(dir.path()));
 }

@@ -142,6 +142,9 @@ impl Precision {
                 on_front.extend(fair.iter().filter(|i| !on_front.contains(i)).copied().collect::<Vec<_>>());
                 on_front.sort_by(|a, b| rows[*a].run.cost_s().total_cmp(&rows[*b].run.cost_s()));
             }
+            if on_front.is_empty() {
+                continue;
+            }
             let is_fair = |i: &usize| rows[*i].run.fitted_to.is_none() && fair.contains(i);
             let any_fitted = on_front.iter().any(|i| is_fitted(rows[*i]));
             let columns = Columns::<usize>::of("", "")

@@ -182,7 +182,7 @@ fn precision(record: &mut Value) -> serde_json::Result<bool> {
         .add("fitted_to", "reference to which the model's constants were fitted", text("fitted_to")).shown("Fitted to", Format::Text)
         .add(AGAINST, "reference of the errors in this row", |(_, m)| m["against"].as_str().map(str::to_owned)).shown("Against", Format::Text).result()
         .add(metric.key(), metric.meaning(), error).shown(&capital(metric.words()), Format::Percents(3)).result()
-        .add("cpu_s", "processor time, or wall time", |(r, _)| r["cpu_s"].as_f64().or(r["wall_s"].as_f64())).shown("Processor time", Format::Durations).result()
+        .add("cpu_s", "processor time, or wall time", |(r, _)| r["cpu_s"].as_f64().filter(|t| *t > 0.0).or(r["wall_s"].as_f64())).shown("Processor time", Format::Durations).result()
         .add("steps", "accepted steps", count("steps")).shown("Steps", Format::Counts)
         .add("message", "reason of a failure, or a note", text("message"));
     let mut references: Vec<&str> = rows.iter().filter_map(|(_, m)| m["against"].as_str()).collect();
