@@ -353,6 +353,7 @@ pub fn table(choices: &[ValidatedChoice]) -> TabularRecord {
             points: true,
             ..TableChart::default()
         }],
+        ..TabularRecord::default()
     }
 }
 
