@@ -563,7 +563,10 @@ pub(super) fn axis_over(values: impl Iterator<Item = f64>, factor: f64) -> Optio
 /// Returns the report of a study whose results are one table.
 pub(super) fn report(view: &View<'_>, record: &TabularRecord) -> Result<StudyReport, DrawError> {
     let mut charts = record.charts()?;
-    charts.extend(histories::force(std::slice::from_ref(view))?);
+    // References alone are no result.
+    if view.results.runs.iter().any(|r| r.series.is_some()) {
+        charts.extend(histories::force(std::slice::from_ref(view))?);
+    }
     let with_remark = |table: Table<'_, TableRow>, remark: &str| {
         html! {
             (table)

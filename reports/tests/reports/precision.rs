@@ -129,7 +129,10 @@ fn former(record: &Results) -> Results {
 #[test]
 fn a_former_record_is_a_table_with_fronts() {
     let results = results();
-    assert_eq!((results.study_name(), results.runs.len()), ("precision", 14));
+    assert_eq!(
+        (results.study_name(), results.runs.len()),
+        ("precision", 14)
+    );
     let Part::Tabular(table) = &results.part else {
         panic!("{:?}", results.part)
     };
@@ -137,13 +140,21 @@ fn a_former_record_is_a_table_with_fronts() {
     let files = written(&results);
     holds(
         &files,
-        &["precision.svg", "precision_2.svg", "precision.csv", "runs.csv"],
+        &[
+            "precision.svg",
+            "precision_2.svg",
+            "precision.csv",
+            "runs.csv",
+        ],
     );
     assert_eq!(files["precision.csv"].lines().count(), 1 + 2 * 14);
     assert_eq!(files["runs.csv"].lines().count(), 1 + 14);
     let chart = &files["precision.svg"];
     // The front is named; the point at 0.5 us is as accurate as that at 1 us, and dearer.
-    assert!(chart.contains(">trigonometric, 100 modes, 1\u{a0}\u{b5}s<"), "{chart}");
+    assert!(
+        chart.contains(">trigonometric, 100 modes, 1\u{a0}\u{b5}s<"),
+        "{chart}"
+    );
     assert!(!chart.contains(">trigonometric, 100 modes, 500\u{a0}ns<"));
     // Models that were fitted to the reference have a front of their own.
     assert!(chart.contains("rigid (fitted to fe)") && chart.contains("front of all"));

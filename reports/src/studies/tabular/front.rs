@@ -1,7 +1,7 @@
 //! Charts of one column over another with the Pareto front of their rows, such as error over cost: a point per row with
 //! a text of its own, the front as a staircase, failed rows as crosses at the edge.
 
-use super::{MARGIN, Quantity, TableChart, TableRow, TabularRecord};
+use super::{Quantity, TableChart, TableRow, TabularRecord};
 use crate::columns::Value;
 use crate::csv_table::named_unit;
 use crate::drawing::Chart;
@@ -158,8 +158,10 @@ impl TabularRecord {
             Entry::marked(&text, curve_style(*group), true)
         };
         let mut legend: Vec<Entry> = in_legend.iter().map(label).collect();
-        legend.push(Entry::line("front", Stroke::new(FRONT.0, FRONT.1)));
         let is_without = |p: &Plotted<'_>| p.row.0.contains_key(&of.without);
+        if !held().all(is_without) {
+            legend.push(Entry::line("front", Stroke::new(FRONT.0, FRONT.1)));
+        }
         if held().any(is_without) {
             let stroke = Stroke::dashed(Ink::GREY, 1.3, DOTTED);
             legend.push(Entry::line("front of all", stroke));
@@ -168,7 +170,7 @@ impl TabularRecord {
         let mut panels: Vec<Panel> = Vec::new();
         for rows in &all {
             let (low, high) = extremes(rows.held.iter().map(|p| p.point.error));
-            let y = Axis::logarithmic(low / MARGIN, high * MARGIN);
+            let y = Axis::logarithmic(low, high);
             let entry = |group: usize| in_legend.iter().position(|g| *g == group);
             let fronts = [rows.front(|p| !is_without(p)), rows.front(|_| true)];
             let mut panel = Panel::new(height, &x, &rows.ordinate.name);
