@@ -44,7 +44,7 @@ pub use studies::choose::{
     ReferenceDistance, Verdict,
 };
 pub use studies::{
-    StudyReport, check, compare as comparison, finding, identify, measured_lines, modes,
-    response, run_up, runs, scan, stability, stiffness, sweep, tabular,
+    StudyReport, check, compare as comparison, finding, identify, measured_lines, modes, response,
+    run_up, runs, scan, stability, stiffness, sweep, tabular,
 };
 pub use view::{NOTHING, capital, metric_against, yardstick_of};

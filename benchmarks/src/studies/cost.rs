@@ -4,7 +4,7 @@
 //! The study compares nothing with a reference, so that it also answers for scenes without one. Errors and cost together
 //! are the subject of `precision`.
 
-use super::tabular::{Cell, Line, Measured, Others, TabularStudy};
+use super::tabular::{Cell, Measured, Others, TableLine, TabularStudy};
 use crate::cli::arguments::{BoundedOutput, TimedOutput};
 use crate::cli::terminal::{Refusal, integrators_of};
 use crate::cli::values::{DEFAULT_SCENE, positive};
@@ -57,7 +57,7 @@ fn per_second(f: &Measured<Cost>) -> Option<f64> {
 }
 
 /// Processor time over a count of the run.
-fn over(count: fn(&Run) -> u64) -> impl Fn(&Line<'_, Cost>) -> Option<f64> {
+fn over(count: fn(&Run) -> u64) -> impl Fn(&TableLine<'_, Cost>) -> Option<f64> {
     move |f| (count(&f.run) > 0).then(|| f.run.cost_s() / count(&f.run) as f64)
 }
 
@@ -119,9 +119,9 @@ impl TabularStudy for Cost {
     }
 
     #[rustfmt::skip]
-    fn columns<'a>(columns: Columns<'a, Line<'a, Self>>) -> Columns<'a, Line<'a, Self>> {
-        let estimate = |f: &Line<'_, Self>| Some(per_second(f)? * f.cell.at);
-        let evaluations = |f: &Line<'_, Self>| (f.run.steps > 0).then(|| f.run.force_evaluations as f64 / f.run.steps as f64);
+    fn columns<'a>(columns: Columns<'a, TableLine<'a, Self>>) -> Columns<'a, TableLine<'a, Self>> {
+        let estimate = |f: &TableLine<'_, Self>| Some(per_second(f)? * f.cell.at);
+        let evaluations = |f: &TableLine<'_, Self>| (f.run.steps > 0).then(|| f.run.force_evaluations as f64 / f.run.steps as f64);
         columns
             .add("dofs", "coordinates", |f| f.run.dofs).shown("Coordinates", Format::Counts).result()
             .add("cpu_s", "processor time of the integration, median of the repeats", |f| f.run.cost_s()).shown("Time of the run", Format::Durations).result()

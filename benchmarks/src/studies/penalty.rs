@@ -4,7 +4,7 @@
 //! A penalty is a numerical spring without physical counterpart. Results that depend on it are no results for the
 //! gears; with hard contact as the limit, the study shows above which penalty they no longer depend on it.
 
-use super::tabular::{Cell, Line, Measured, Others, TabularStudy};
+use super::tabular::{Cell, Measured, Others, TableLine, TabularStudy};
 use crate::cli::arguments::BoundedOutput;
 use crate::cli::terminal::Refusal;
 use crate::cli::values::{DEFAULT_LOAD, DEFAULT_SCENE, number, positions, positive_load};
@@ -239,10 +239,10 @@ impl TabularStudy for Penalty {
     }
 
     #[rustfmt::skip]
-    fn columns<'a>(columns: Columns<'a, Line<'a, Self>>) -> Columns<'a, Line<'a, Self>> {
-        let of = |k: usize| move |f: &Line<'_, Self>| quantities(f)[k];
-        let off = |k: usize| move |f: &Line<'_, Self>| f.row.deviations[k];
-        let to_hard = |f: &Line<'_, Self>| f.run.against(HARD).filter(|_| f.cell.at.penalty.is_some())?.get(Metric::ForceL2);
+    fn columns<'a>(columns: Columns<'a, TableLine<'a, Self>>) -> Columns<'a, TableLine<'a, Self>> {
+        let of = |k: usize| move |f: &TableLine<'_, Self>| quantities(f)[k];
+        let off = |k: usize| move |f: &TableLine<'_, Self>| f.row.deviations[k];
+        let to_hard = |f: &TableLine<'_, Self>| f.run.against(HARD).filter(|_| f.cell.at.penalty.is_some())?.get(Metric::ForceL2);
         columns
             .add("penalty_pa_per_m", "penalty of the contact; empty for hard contact", |f| f.cell.at.penalty).shown("Penalty", Format::Powers).result()
             .add("peak_force_n", Metric::PeakForce.meaning(), of(0)).shown("Peak force", Format::Numbers(5)).result()

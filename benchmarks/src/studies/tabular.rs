@@ -66,16 +66,16 @@ pub struct Measured<S: TabularStudy> {
 }
 
 /// A row of the table: a cell with its results and, where it has a row for each of its references, the errors against one.
-pub struct Line<'a, S: TabularStudy> {
+pub struct TableLine<'a, S: TabularStudy> {
     of: &'a Measured<S>,
     /// Errors against the reference of the row.
     pub metrics: Option<&'a Metrics>,
 }
 
-impl<'a, S: TabularStudy> Line<'a, S> {
+impl<'a, S: TabularStudy> TableLine<'a, S> {
     /// The only row of a cell.
     pub fn of(of: &'a Measured<S>) -> Self {
-        Line { of, metrics: None }
+        TableLine { of, metrics: None }
     }
 
     /// The run of the cell.
@@ -86,15 +86,15 @@ impl<'a, S: TabularStudy> Line<'a, S> {
     /// A row for each reference that the run of a cell is compared with; one row if there is none.
     pub fn of_references(of: &'a Measured<S>) -> Vec<Self> {
         match of.run.metrics.as_slice() {
-            [] => vec![Line::of(of)],
+            [] => vec![TableLine::of(of)],
             all => (all.iter().map(Some))
-                .map(|metrics| Line { of, metrics })
+                .map(|metrics| TableLine { of, metrics })
                 .collect(),
         }
     }
 }
 
-impl<S: TabularStudy> Deref for Line<'_, S> {
+impl<S: TabularStudy> Deref for TableLine<'_, S> {
     type Target = Measured<S>;
 
     fn deref(&self) -> &Measured<S> {
@@ -250,8 +250,8 @@ pub trait TabularStudy: Sized + Sync + 'static {
     }
 
     /// Returns the rows of the table that a cell has.
-    fn lines(cell: &Measured<Self>) -> Vec<Line<'_, Self>> {
-        vec![Line::of(cell)]
+    fn table_lines(cell: &Measured<Self>) -> Vec<TableLine<'_, Self>> {
+        vec![TableLine::of(cell)]
     }
 
     /// Returns the columns that pages show because the arguments ask for them: key, heading and format.
@@ -297,7 +297,7 @@ pub trait TabularStudy: Sized + Sync + 'static {
     }
 
     /// The columns of the study; those of model, integrator, status and message are added.
-    fn columns<'a>(columns: Columns<'a, Line<'a, Self>>) -> Columns<'a, Line<'a, Self>>;
+    fn columns<'a>(columns: Columns<'a, TableLine<'a, Self>>) -> Columns<'a, TableLine<'a, Self>>;
 
     /// The charts over columns, of some rows.
     fn charts(&self, rows: &[&Measured<Self>]) -> Vec<TableChart>;
@@ -307,10 +307,10 @@ pub trait TabularStudy: Sized + Sync + 'static {
 }
 
 /// Returns all columns of a study.
-pub fn columns<'a, S: TabularStudy>() -> Columns<'a, Line<'a, S>> {
+pub fn columns<'a, S: TabularStudy>() -> Columns<'a, TableLine<'a, S>> {
     let file = format!("{}.csv", S::NAME);
     let rows = format!("`{}`: {}.", S::NAME, S::ROWS);
-    let begin = Columns::<Line<'_, S>>::of(&file, &rows)
+    let begin = Columns::<TableLine<'_, S>>::of(&file, &rows)
         .model(|f| f.run.model_label())
         .integrator(|f| f.run.integrator.clone())
         .shown("Integrator", Format::Text)
@@ -433,10 +433,14 @@ pub(crate) fn study<S: TabularStudy>(
             None => settings.push((what, text)),
         }
     }
-    settings.extend(left_out.into_iter().map(|(what, text)| match what.as_str() {
-        NOT_TRIED => (what, format!("{}: {text}", runner.budget().described())),
-        _ => (what, text),
-    }));
+    settings.extend(
+        left_out
+            .into_iter()
+            .map(|(what, text)| match what.as_str() {
+                NOT_TRIED => (what, format!("{}: {text}", runner.budget().described())),
+                _ => (what, text),
+            }),
+    );
     Ok(Results {
         references: compared,
         settings,
@@ -606,7 +610,7 @@ fn table<S: TabularStudy>(args: &S, scene: &SceneFile, rows: &[Measured<S>]) -> 
         rows_are: S::ROWS.into(),
         finding: args.finding(&finished),
         columns: recorded,
-        rows: (finished.iter().flat_map(|f| S::lines(f)))
+        rows: (finished.iter().flat_map(|f| S::table_lines(f)))
             .map(|line| columns.recorded_row(&line))
             .chain(scene.refused.iter().map(of_refused))
             .collect(),

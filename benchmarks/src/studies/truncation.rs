@@ -5,7 +5,7 @@
 //! Between the largest number of modes that misses a limit and the fewest that keeps it, the study bisects, so that the
 //! fewest modes are found and not only bracketed.
 
-use super::tabular::{Cell, Line, Measured, Others, TabularStudy};
+use super::tabular::{Cell, Measured, Others, TableLine, TabularStudy};
 use crate::cli::arguments::{AnyReference, BoundedOutput, TimedOutput};
 use crate::cli::exit::Exit;
 use crate::cli::terminal::{Refusal, refuse_run};
@@ -437,13 +437,13 @@ impl TabularStudy for Truncation {
     }
 
     #[rustfmt::skip]
-    fn columns<'a>(columns: Columns<'a, Line<'a, Self>>) -> Columns<'a, Line<'a, Self>> {
-        let of = |metric: Metric| move |f: &Line<'_, Self>| error(&f.run, metric);
-        let further = |f: &Line<'_, Self>| {
+    fn columns<'a>(columns: Columns<'a, TableLine<'a, Self>>) -> Columns<'a, TableLine<'a, Self>> {
+        let of = |metric: Metric| move |f: &TableLine<'_, Self>| error(&f.run, metric);
+        let further = |f: &TableLine<'_, Self>| {
             let ended = (!f.run.status.is_failure()).then_some(&f.run.metrics);
             ended?.iter().find(|m| m.against != FULL)?.get(Metric::ForceL2)
         };
-        let per_step = |f: &Line<'_, Self>| (f.run.steps > 0).then(|| f.run.cost_s() / f.run.steps as f64);
+        let per_step = |f: &TableLine<'_, Self>| (f.run.steps > 0).then(|| f.run.cost_s() / f.run.steps as f64);
         columns
             .add("modes", "modes per gear that are kept", |f| f.run.modes).shown("Modes", Format::Plain).result()
             .add("highest_hz", "highest frequency among the modes", |f| f.run.highest_hz.filter(|x| *x > 0.0)).shown("Highest mode", Format::Numbers(3))

@@ -21,7 +21,7 @@ use crate::experiment::record::time_series;
 use crate::experiment::run::{Job, NO_BOUND, RunError, run};
 use crate::experiment::status::{message_of, status_of};
 use crate::scene_file::{ModelChoice, SceneError, SceneFile, Selection};
-use crate::studies::tabular::{Cell, Measured, Others, TabularStudy};
+use crate::studies::tabular::{Cell, Measured, Others, TableLine, TabularStudy};
 use clap::Args;
 use gearbench_integrators::system::SecondOrderSystem;
 use gearbench_integrators::table::{RK4, VELOCITY_VERLET};
@@ -392,9 +392,9 @@ impl TabularStudy for Coupling {
     }
 
     #[rustfmt::skip]
-    fn columns<'a>(columns: Columns<'a, &'a Measured<Self>>) -> Columns<'a, &'a Measured<Self>> {
-        let scheme = |f: &&Measured<Self>| f.cell.at.scheme.map(|(scheme, _)| scheme);
-        let metric = move |m: Metric| move |f: &&Measured<Self>| scheme(f).and_then(|_| f.run.against(WHOLE)?.get(m));
+    fn columns<'a>(columns: Columns<'a, TableLine<'a, Self>>) -> Columns<'a, TableLine<'a, Self>> {
+        let scheme = |f: &TableLine<'_, Self>| f.cell.at.scheme.map(|(scheme, _)| scheme);
+        let metric = move |m: Metric| move |f: &TableLine<'_, Self>| scheme(f).and_then(|_| f.run.against(WHOLE)?.get(m));
         columns
             .add("extrapolation", "extrapolation of the forces on hubs of a host: `constant`, `linear`, `quadratic`; empty as one system", move |f| scheme(f).map(|s| s.extrapolation.as_str()))
             .add("motion", "interpolation of the motion of hubs between communication points: `linear`, `cubic`", move |f| scheme(f).map(|s| s.motion.as_str()))
@@ -409,7 +409,7 @@ impl TabularStudy for Coupling {
             .add(THEORY, "communication step above which, by linear theory, the coupling generates more energy than allowed", |f| f.row.theory_step_s).shown("Limit of theory", Format::Quantities(3))
     }
 
-    fn charts(&self) -> Vec<TableChart> {
+    fn charts(&self, _: &[&Measured<Self>]) -> Vec<TableChart> {
         let chart = |file: &str, title: &str, what: &str, ordinate: &str| TableChart {
             file: file.into(),
             title: title.into(),

@@ -12,7 +12,7 @@ use crate::experiment::error::StudyError;
 use crate::experiment::run::{Job, run_timed};
 use crate::experiment::status::judge;
 use crate::scene_file::{SceneError, SceneFile, Selection};
-use crate::studies::tabular::{Cell, Line, Measured, Others, SharedWork, TabularStudy};
+use crate::studies::tabular::{Cell, Measured, Others, SharedWork, TableLine, TabularStudy};
 use gearbench_integrators::Scheme;
 use gearbench_reports::columns::Columns;
 use gearbench_reports::metrics::{compare as measure, compare_all};
@@ -220,13 +220,13 @@ impl TabularStudy for Precision {
         Vec::new()
     }
 
-    fn lines(cell: &Measured<Self>) -> Vec<Line<'_, Self>> {
-        Line::of_references(cell)
+    fn table_lines(cell: &Measured<Self>) -> Vec<TableLine<'_, Self>> {
+        TableLine::of_references(cell)
     }
 
     #[rustfmt::skip]
-    fn columns<'a>(columns: Columns<'a, Line<'a, Self>>) -> Columns<'a, Line<'a, Self>> {
-        let is_on_front = |f: &Line<'_, Self>| f.metrics.is_some_and(|m| f.row.contains(&m.against));
+    fn columns<'a>(columns: Columns<'a, TableLine<'a, Self>>) -> Columns<'a, TableLine<'a, Self>> {
+        let is_on_front = |f: &TableLine<'_, Self>| f.metrics.is_some_and(|m| f.row.contains(&m.against));
         let mut cost = work();
         // The processor time is the result.
         cost.all.iter_mut().for_each(|c| c.rank = Default::default());

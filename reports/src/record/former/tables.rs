@@ -262,13 +262,6 @@ fn truncation<'a>(columns: Columns<'a, &'a Value>) -> (Columns<'a, &'a Value>, T
     (columns, chart)
 }
 
-fn label(run: &Value) -> String {
-    match run["variant"].as_str() {
-        Some(variant) => format!("{}, {variant}", word(&run["model"])),
-        None => word(&run["model"]),
-    }
-}
-
 fn word(value: &Value) -> String {
     value.as_str().unwrap_or_default().to_owned()
 }
