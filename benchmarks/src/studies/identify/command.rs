@@ -254,6 +254,7 @@ fn held_by_model(
     let has = |choice: &ModelChoice, key: &str| {
         has_key(
             key,
+            &choice.model,
             (
                 &scene.spec_for(choice),
                 &choice.modelling,
@@ -294,14 +295,20 @@ fn name_of(held: &LoadedReference) -> &str {
     held.named.stored().unwrap_or(&held.named.name)
 }
 
-/// Returns the histories of a reference that are fitted: its contact force, else all others that runs have.
+/// Part of the largest contact force of a reference from which on the force of a mesh is fitted.
+const LOADED: f64 = 1e-3;
+
+/// Returns the histories of a reference that are fitted: the contact forces of all loaded meshes, else all others that runs
+/// have.
 fn channels_of(reference: &LoadedReference) -> Vec<&Channel> {
-    match reference.data.channel(Quantity::Force(0)) {
-        Some(force) => vec![force],
-        None => {
-            let all = reference.data.channels.iter();
-            all.filter(|c| channel_of(c.quantity).is_some()).collect()
-        }
+    let all = || reference.data.channels.iter();
+    let peak = |c: &Channel| c.value.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+    let forces = || all().filter(|c| matches!(c.quantity, Quantity::Force(_)));
+    let most = forces().map(peak).fold(0.0, f64::max);
+    let loaded: Vec<&Channel> = forces().filter(|c| peak(c) >= LOADED * most).collect();
+    match loaded.is_empty() {
+        false => loaded,
+        true => all().filter(|c| channel_of(c.quantity).is_some()).collect(),
     }
 }
 
