@@ -180,7 +180,7 @@ fn keys(model: &Model) -> Vec<&'static str> {
 }
 
 /// Returns the largest gap of the meshes at the start \[m\].
-fn largest_gap(spec: &SceneSpec) -> Option<f64> {
+pub(super) fn largest_gap(spec: &SceneSpec) -> Option<f64> {
     spec.meshes.iter().map(|m| m.start.gap).reduce(f64::max)
 }
 
