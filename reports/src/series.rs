@@ -218,15 +218,16 @@ impl TimeSeries {
         columns.filter_map(move |c| Some((quantity.subject(&c.name)?, c.values.as_slice())))
     }
 
-    /// Returns the contact force of the first mesh of the series with the names of its gears, `_` between them; `None` of
-    /// a reference without contact forces.
-    pub fn first_mesh(&self) -> Option<(&str, &[f64])> {
-        self.all_of(CONTACT_FORCE).next()
+    /// Returns the contact force of the mesh with the greatest one, with the names of its gears, `_` between them; `None`
+    /// of a reference without contact forces.
+    pub fn most_loaded_mesh(&self) -> Option<(&str, &[f64])> {
+        let peak = |force: &[f64]| force.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        (self.all_of(CONTACT_FORCE)).reduce(|a, b| if peak(b.1) > peak(a.1) { b } else { a })
     }
 
-    /// Returns the contact force of the first mesh of the series; empty of a reference without contact forces.
+    /// Returns the contact force of the mesh with the greatest one; empty of a reference without contact forces.
     pub fn contact_force(&self) -> &[f64] {
-        self.first_mesh().map_or(&[], |(_, force)| force)
+        self.most_loaded_mesh().map_or(&[], |(_, force)| force)
     }
 
     /// Returns the number of samples.

@@ -144,12 +144,6 @@ impl History {
         self.rows.iter().map(|r| r[channel]).collect()
     }
 
-    /// The contact force of the first mesh at all rows [N]; 0 without a mesh.
-    pub fn force(&self) -> Vec<f64> {
-        let first = self.forces.first();
-        first.map_or_else(|| vec![0.0; self.rows.len()], |[c, _]| self.column(*c))
-    }
-
     /// Sets the sample to a time within a step.
     fn sample_at(&mut self, step: &AcceptedStep<'_>, t: f64) {
         self.at_end = t >= step.to.t;

@@ -379,13 +379,16 @@ pub fn momenta(scene: &mut Scene, state: &State) -> Vec<f64> {
         .collect()
 }
 
-/// Impulse of the transverse force from the samples of a series [N s].
+/// Impulse of the transverse force from the samples of a series [N s], of the mesh where it is largest.
 pub fn sampled_impulse(spec: &SceneSpec, series: &TimeSeries) -> f64 {
-    let name = Channel::Mesh(0, OfMesh::Transverse).column(spec);
-    let transverse = series.column(&name).unwrap_or_default();
-    (series.time_s.windows(2).zip(transverse.windows(2)))
-        .map(|(t, f)| 0.5 * (t[1] - t[0]) * (f[0] + f[1]))
-        .sum()
+    let of_mesh = |mesh: usize| -> f64 {
+        let name = Channel::Mesh(mesh, OfMesh::Transverse).column(spec);
+        let transverse = series.column(&name).unwrap_or_default();
+        (series.time_s.windows(2).zip(transverse.windows(2)))
+            .map(|(t, f)| 0.5 * (t[1] - t[0]) * (f[0] + f[1]))
+            .sum()
+    };
+    (0..spec.meshes.len()).map(of_mesh).fold(0.0, f64::max)
 }
 
 /// The energy and impulse balance of a run; the impulse is that of the force in the transverse plane, which contains

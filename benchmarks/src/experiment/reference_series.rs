@@ -14,9 +14,14 @@ use std::cmp::Reverse;
 /// Converts a reference to the form of the record of a scene.
 pub fn recorded(r: &Reference, scene: &SceneSpec) -> ReferenceSeries {
     let mut all: Vec<TimeSeries> = Vec::new();
-    // The contact force first, then what has most samples: their times are those of the series that stands in all records.
+    // Contact forces first, then what has most samples: their times are those of the series that stands in all records.
     let mut channels: Vec<&data::Channel> = r.channels.iter().collect();
-    channels.sort_by_key(|c| (c.quantity != Quantity::Force(0), Reverse(c.time.len())));
+    channels.sort_by_key(|c| {
+        (
+            !matches!(c.quantity, Quantity::Force(_)),
+            Reverse(c.time.len()),
+        )
+    });
     for channel in channels {
         let place = all.iter().position(|s| s.time_s == channel.time);
         let index = place.unwrap_or_else(|| {

@@ -21,7 +21,7 @@ use gearbench_integrators::modal::resonance::{resonances, safe_step};
 use gearbench_integrators::system::{SecondOrderSystem, State};
 use gearbench_integrators::{NullSink, Scheme, Sink, StepError, TimePlan, Work, integration_time};
 use gearbench_models::error::BuildError;
-use gearbench_models::scene::{Channel, OfMesh, Scene};
+use gearbench_models::scene::{Channel, Scene};
 use gearbench_models::spec::{Modelling, SceneSpec};
 use gearbench_reference::limits;
 use gearbench_reports::record::{ContactSnapshot, Run};
@@ -370,7 +370,7 @@ fn timed_from(
             history
                 .pieces
                 .as_ref()
-                .and_then(|p| Some(p.meshes.first()?.impulse))
+                .and_then(|p| p.meshes.iter().map(|mesh| mesh.impulse).reduce(f64::max))
                 .unwrap_or_else(|| sampled_impulse(job.scene, &series)),
             scene
                 .on_lines_of_action()
@@ -426,11 +426,7 @@ pub fn history_on_grid(
     let sink: &mut dyn Sink = &mut history;
     let mut method = method.method.build();
     method.run(scene, &mut state, &plan, sink, &mut Work::default())?;
-    Ok(match (channel, scene.channel(channel)) {
-        (Channel::Mesh(0, OfMesh::Force), _) => history.force(),
-        (_, Some(index)) => history.column(index),
-        (_, None) => Vec::new(),
-    })
+    Ok((scene.channel(channel)).map_or_else(Vec::new, |index| history.column(index)))
 }
 
 /// A note on modes that resonate with the fixed step of a method that integrates modes exactly.

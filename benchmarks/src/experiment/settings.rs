@@ -300,12 +300,24 @@ fn model_text(scene: &SceneFile, choice: &ModelChoice) -> String {
             parts.extend(limits.into_iter().map(|w| format!("note: {w}")));
         }
     }
-    if let Some(first) = choice.modelling.gears.first() {
-        parts.extend(parameters(first));
-        if choice.modelling.gears.iter().any(|g| g.id() != first.id()) {
-            let ids: Vec<&str> = choice.modelling.gears.iter().map(|g| g.id()).collect();
-            parts.push(format!("gears modelled as {}", ids.join(", ")));
+    let gears = &choice.modelling.gears;
+    let mut described: Vec<(&str, &ModelSpec)> = Vec::new();
+    for (gear, model) in spec.gears.iter().zip(gears) {
+        let is_new = described.iter().all(|(_, other)| *other != model);
+        if is_new && !model.values().is_empty() {
+            described.push((&gear.name, model));
         }
+    }
+    for (name, model) in &described {
+        let of_gear = |text: String| match described.len() {
+            1 => text,
+            _ => format!("{text} of {name}"),
+        };
+        parts.extend(parameters(model).into_iter().map(of_gear));
+    }
+    if gears.windows(2).any(|g| g[0].id() != g[1].id()) {
+        let ids: Vec<&str> = gears.iter().map(|g| g.id()).collect();
+        parts.push(format!("gears modelled as {}", ids.join(", ")));
     }
     parts.join("; ")
 }

@@ -104,7 +104,7 @@ pub struct Constants {
     pub stiffness: Option<f64>,
     /// Linear dashpot of the contact [N s/m].
     pub damping: Option<f64>,
-    /// Gap at the start of the first mesh [m].
+    /// Gap of all meshes at the start [m].
     pub gap: Option<f64>,
     /// Slope of the stiffness along the path of contact, see [`PairStiffness::Parabola`].
     pub slope: Option<f64>,

@@ -16,7 +16,6 @@ use gearbench_models::error::Reason;
 use gearbench_models::law::{Damping, Film, ForceLaw, Friction, FrictionForm, Law, LawError};
 use gearbench_models::spec::{ContactSpec, FlankContact, Passes, SurfaceKind};
 use gearbench_models::stiffness::{IsoVariation, PairStiffness};
-use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
 keys! {
@@ -29,7 +28,7 @@ keys! {
         exponent: Option<f64>,
         /// "none" (default), or { law = "kelvin-voigt" | "flores" | .., .. }
         #[serde(default, skip_serializing_if = "is_default")]
-        damping: DampingTable,
+        damping: Damping,
         /// name of a contact law of one's own in Rust or Python, in place of exponent and damping
         normal_force: Option<ForceLawName>,
         /// { mu | film, v_ref_m_s | stick_m }; left out, none
@@ -59,24 +58,6 @@ keys! {
         reach_m: Option<f64>,
     }
 
-    /// A dashpot.
-    struct DamperTable {
-        /// damper in N s/m, zero or more, for example { law = "kelvin-voigt", damping_ns_per_m = 500.0 }
-        damping_ns_per_m: f64,
-    }
-
-    /// A ratio of damping.
-    struct RatioTable {
-        /// damping over critical damping, for example { law = "kelvin-voigt-ratio", ratio = 0.05 }
-        ratio: f64,
-    }
-
-    /// A coefficient of restitution.
-    struct RestitutionTable {
-        /// coefficient of restitution, above 0 up to 1, for example { law = "flores", e = 0.9 }
-        e: f64,
-    }
-
     /// Friction of a contact.
     #[derive(Default)]
     struct FrictionTable {
@@ -99,74 +80,6 @@ keys! {
         /// X_L of ISO/TR 14179-2: 1 for mineral oil (default), 0.8 for polyalphaolefins and esters
         #[serde(default = "mineral")]
         lubricant_factor: f64,
-    }
-}
-
-/// Damping of the normal force; the tag is `law`.
-#[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
-#[serde(rename = "<law>", rename_all = "kebab-case")]
-pub enum DampingTable {
-    /// The contact has no damping.
-    #[default]
-    None,
-    /// A linear dashpot.
-    KelvinVoigt(DamperTable),
-    /// A linear dashpot whose force is at most the elastic one.
-    KelvinVoigtBounded(DamperTable),
-    /// A linear dashpot by its ratio to critical damping with the reduced mass of the pair.
-    KelvinVoigtRatio(RatioTable),
-    /// A damper proportional to the force, by its ratio to critical damping at the load.
-    RatioAtLoad(RatioTable),
-    /// The law of Hunt and Crossley.
-    HuntCrossley(RestitutionTable),
-    /// The law of Lankarani and Nikravesh.
-    LankaraniNikravesh(RestitutionTable),
-    /// The law of Flores.
-    Flores(RestitutionTable),
-    /// The law of Gonthier.
-    Gonthier(RestitutionTable),
-}
-
-impl From<&DampingTable> for Damping {
-    fn from(keys: &DampingTable) -> Self {
-        match keys {
-            DampingTable::None => Damping::None,
-            DampingTable::KelvinVoigt(keys) => Damping::KelvinVoigt {
-                c: keys.damping_ns_per_m,
-            },
-            DampingTable::KelvinVoigtBounded(keys) => Damping::KelvinVoigtBounded {
-                c: keys.damping_ns_per_m,
-            },
-            DampingTable::KelvinVoigtRatio(keys) => Damping::KelvinVoigtRatio { ratio: keys.ratio },
-            DampingTable::RatioAtLoad(keys) => Damping::RatioAtLoad { ratio: keys.ratio },
-            DampingTable::HuntCrossley(keys) => Damping::HuntCrossley { e: keys.e },
-            DampingTable::LankaraniNikravesh(keys) => Damping::LankaraniNikravesh { e: keys.e },
-            DampingTable::Flores(keys) => Damping::Flores { e: keys.e },
-            DampingTable::Gonthier(keys) => Damping::Gonthier { e: keys.e },
-        }
-    }
-}
-
-impl From<Damping> for DampingTable {
-    fn from(law: Damping) -> Self {
-        let damper = |c| DamperTable {
-            damping_ns_per_m: c,
-        };
-        match law {
-            Damping::None => DampingTable::None,
-            Damping::KelvinVoigt { c } => DampingTable::KelvinVoigt(damper(c)),
-            Damping::KelvinVoigtBounded { c } => DampingTable::KelvinVoigtBounded(damper(c)),
-            Damping::KelvinVoigtRatio { ratio } => {
-                DampingTable::KelvinVoigtRatio(RatioTable { ratio })
-            }
-            Damping::RatioAtLoad { ratio } => DampingTable::RatioAtLoad(RatioTable { ratio }),
-            Damping::HuntCrossley { e } => DampingTable::HuntCrossley(RestitutionTable { e }),
-            Damping::LankaraniNikravesh { e } => {
-                DampingTable::LankaraniNikravesh(RestitutionTable { e })
-            }
-            Damping::Flores { e } => DampingTable::Flores(RestitutionTable { e }),
-            Damping::Gonthier { e } => DampingTable::Gonthier(RestitutionTable { e }),
-        }
     }
 }
 
@@ -195,7 +108,7 @@ impl From<&ContactSpec> for ContactTable {
         ContactTable {
             stiffness: Some(StiffnessTable::from(&spec.stiffness)),
             exponent: Some(spec.exponent).filter(|x| *x != 1.0),
-            damping: DampingTable::from(spec.damping),
+            damping: spec.damping,
             normal_force: (spec.normal_force.as_ref()).map(|law| law.name().into()),
             friction: spec.friction.as_ref().map(FrictionTable::from),
             slices: spec.slices.map(Count),
@@ -221,7 +134,7 @@ pub(super) fn contact(
         None => return Err(at.missing("stiffness", &ContactTable::TABLE)),
     };
     let exponent = keys.exponent.unwrap_or(1.0);
-    let damping = Damping::from(&keys.damping);
+    let damping = keys.damping;
     check_law(exponent, damping, at)?;
     let normal_force = (keys.normal_force.as_ref())
         .map(|name| normal_force(&name.0, laws, &at.key("normal_force")))

@@ -42,9 +42,7 @@ pub use super::SceneTable;
 pub use super::calibration::OneOrOfGear;
 pub use super::calibration_choice::{CalibrationChoice, CalibrationTable};
 pub use super::changes::{KeyPath, set_at};
-pub use super::contact::{
-    ContactTable, DamperTable, DampingTable, FilmTable, FrictionTable, RatioTable, RestitutionTable,
-};
+pub use super::contact::{ContactTable, FilmTable, FrictionTable};
 pub use super::contact_points::{LawWord, LocalContact, PointTable, PointsChoice};
 pub use super::damping::SharedDampingTable;
 pub use super::deviations::{DeviationTable, FlankTable};
@@ -71,6 +69,7 @@ pub use super::stiffness::{
 };
 pub use super::study_plan::{IntegratorTable, StudyTable, ToleranceChoice, ToleranceTable};
 pub use super::{SceneName, Schema};
+pub use gearbench_models::law::Damping;
 
 use super::reading::Document;
 use super::reading::keys;
@@ -123,7 +122,7 @@ pub fn tables() -> Vec<TableDescription> {
     keys::tables().map(of_table).collect()
 }
 
-/// Reads the text of one table alone by the name of its type, also of the choices [`StiffnessTable`], [`DampingTable`],
+/// Reads the text of one table alone by the name of its type, also of the choices [`StiffnessTable`], [`Damping`],
 /// [`GearLoad`] and [`RackLoad`]. The names of gears and models may be any, as the scene defines them. `None` if there
 /// is no such type.
 ///
@@ -135,7 +134,7 @@ pub fn check_table(type_name: &str, name: &str, text: &str) -> Option<Result<(),
     }
     let check = match type_name {
         "StiffnessTable" => read::<StiffnessTable>,
-        "DampingTable" => read::<DampingTable>,
+        "Damping" => read::<Damping>,
         "GearLoad" => read::<GearLoad>,
         "RackLoad" => read::<RackLoad>,
         _ => keys::tables().find(|t| t.name == type_name)?.check,

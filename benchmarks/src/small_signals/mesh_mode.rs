@@ -4,7 +4,7 @@
 //! The damping of a scene has different meanings in different models: a ratio for the contact spring, for each mode of
 //! a body, or for tooth springs. The damping ratio of the mesh mode is comparable across models.
 
-use super::cycle::{PHASES, Resonance, mesh_mode_at, running};
+use super::cycle::{MeshCycle, PHASES, Resonance, mesh_mode_at, running};
 use super::motions::energies;
 use super::{LoadedState, LoadedStateError, Patience, has_loads, loaded, settled};
 use gearbench_integrators::system::{SecondOrderSystem, State};
@@ -117,13 +117,16 @@ pub fn mesh_mode(
         _ => loaded(&mut scene, true, &Patience::ENDLESS),
     };
     let mode = mesh_mode_of(label, (&spec, &mut scene), found.as_ref(), motion_of);
-    let of_cycle = resonance(&mut scene, &spec, over_cycle);
-    Some(with_resonance(mode, of_cycle))
+    let of_cycles = resonances(&mut scene, &spec, over_cycle);
+    Some(with_resonance(mode, &of_cycles))
 }
 
-/// Adds the resonance over the cycle to a mesh mode.
-pub fn with_resonance(mode: MeshMode, found: Option<Resonance>) -> MeshMode {
-    let found = found.filter(|_| mode.frequency_hz.is_some());
+/// Adds the resonance over the cycle to a mesh mode: that of the meshes whose frequency is nearest to it.
+pub fn with_resonance(mode: MeshMode, of_cycles: &[Resonance]) -> MeshMode {
+    let found = mode.frequency_hz.and_then(|frequency| {
+        let distance = |r: &Resonance| (r.frequency / frequency).ln().abs();
+        (of_cycles.iter()).min_by(|a, b| distance(a).total_cmp(&distance(b)))
+    });
     MeshMode {
         resonance_hz: found.map(|r| r.frequency),
         resonance_range_hz: found.map(|r| r.range),
@@ -131,12 +134,15 @@ pub fn with_resonance(mode: MeshMode, found: Option<Resonance>) -> MeshMode {
     }
 }
 
-/// The resonance of the first mesh of a scene over its cycle; `None` if its gears are at rest, if it has too many
-/// coordinates, or if a phase has no equilibrium.
-pub fn resonance(scene: &mut Scene, spec: &SceneSpec, most: usize) -> Option<Resonance> {
+/// The resonances of the meshes of a scene over their cycles, one for each mesh frequency; empty if its gears are at rest, if
+/// it has too many coordinates, or if a phase has no equilibrium.
+pub fn resonances(scene: &mut Scene, spec: &SceneSpec, most: usize) -> Vec<Resonance> {
     if scene.layout().n > most {
-        return None;
+        return Vec::new();
     }
-    let running = running(scene, spec, PHASES, &Patience::ENDLESS).ok()?;
-    running.cycles.first()?.resonance()
+    let running = running(scene, spec, PHASES, &Patience::ENDLESS);
+    running.map_or_else(
+        |_| Vec::new(),
+        |r| r.cycles.iter().filter_map(MeshCycle::resonance).collect(),
+    )
 }

@@ -119,7 +119,7 @@ pub fn waves(depth: f64, ratio: f64, wheel_torque: f64) -> SceneFile {
             model: "rigid".into(),
             contact: OneOrMany::One(ContactTable {
                 stiffness: Some(stiffness),
-                damping: DampingTable::KelvinVoigtRatio(RatioTable { ratio }),
+                damping: Damping::KelvinVoigtRatio { ratio },
                 ..ContactTable::default()
             }),
             ..ModelTable::default()

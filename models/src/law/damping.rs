@@ -1,86 +1,99 @@
-//! Damping laws of a contact.
+//! Damping laws of a contact: their declaration, their keys in scene files, and all that differs between them.
 
 use super::error::LawError;
+use serde::{Deserialize, Serialize};
 
-/// Damping of a contact.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Damping {
+/// Keys of a damping law in scene files.
+#[derive(Clone, Copy, Debug)]
+pub struct DampingKeys {
+    /// Identifier of the law.
+    pub id: &'static str,
+    /// Keys with their units in their names, each with its meaning.
+    pub keys: &'static [(&'static str, &'static str)],
+}
+
+/// Declares every damping law once: variant, identifier in scenes and reports, and its parameter with its key and meaning.
+macro_rules! damping_laws {
+    ($(
+        $(#[$outer:meta])+
+        $law:ident = $id:literal $({ $(#[doc = $meaning:literal])+ $field:ident = $key:literal })?,
+    )+) => {
+        /// Damping of a contact; scene files have the identifier under the key `law`.
+        #[derive(Debug, Clone, Copy, Default, PartialEq, Deserialize, Serialize)]
+        #[serde(rename = "<law>", deny_unknown_fields)]
+        pub enum Damping {
+            $(
+                $(#[$outer])+
+                #[serde(rename = $id)]
+                $law $({ $(#[doc = $meaning])+ #[serde(rename = $key)] $field: f64 })?,
+            )+
+        }
+
+        impl Damping {
+            /// Identifiers and keys of all laws.
+            pub const LAWS: &'static [DampingKeys] = &[
+                $(DampingKeys { id: $id, keys: &[$(($key, concat!($($meaning),+)))?] },)+
+            ];
+
+            /// Returns the identifier in scenes and reports.
+            pub fn id(&self) -> &'static str {
+                match self {
+                    $(Damping::$law { .. } => $id,)+
+                }
+            }
+        }
+    };
+}
+
+damping_laws! {
     /// The contact is elastic.
-    None,
-    /// Linear dashpot in parallel with the coefficient `c` (N s/m).
-    KelvinVoigt {
-        /// Damping coefficient (N s/m).
-        c: f64,
-    },
-    /// Linear dashpot in parallel whose force is at most the elastic one, `|c d'| <= k d^n`: it has no jump at first
-    /// contact and no tension at the end.
-    KelvinVoigtBounded {
-        /// Damping coefficient (N s/m).
-        c: f64,
+    #[default]
+    None = "none",
+    /// Linear dashpot in parallel with a coefficient.
+    KelvinVoigt = "kelvin-voigt" {
+        /// damper in N s/m, zero or more, for example { law = "kelvin-voigt", damping_ns_per_m = 500.0 }
+        c = "damping_ns_per_m"
     },
     /// Linear dashpot given by its ratio to critical damping, `c = 2 ratio sqrt(k m)`.
-    KelvinVoigtRatio {
-        /// Ratio to critical damping (-).
-        ratio: f64,
+    KelvinVoigtRatio = "kelvin-voigt-ratio" {
+        /// damping over critical damping of the pair, for example { law = "kelvin-voigt-ratio", ratio = 0.05 }
+        ratio = "ratio"
     },
     /// Damper proportional to the force, with a given ratio to critical damping at the load of the mesh, `N = k d^n (1 +
     /// d'/v_L)`: smooth where a contact opens and closes.
-    RatioAtLoad {
-        /// Damping ratio at the load (-).
-        ratio: f64,
+    RatioAtLoad = "ratio-at-load" {
+        /// damping over critical damping at the load of the mesh, for example { law = "ratio-at-load", ratio = 0.02 }
+        ratio = "ratio"
     },
-    /// Hunt and Crossley with restitution `e` (-).
-    HuntCrossley {
-        /// Intended coefficient of restitution, in (0, 1].
-        e: f64,
+    /// Hunt and Crossley with a restitution.
+    HuntCrossley = "hunt-crossley" {
+        /// coefficient of restitution, above 0 up to 1, for example { law = "hunt-crossley", e = 0.9 }
+        e = "e"
     },
-    /// Lankarani and Nikravesh with restitution `e` (-).
-    LankaraniNikravesh {
-        /// Intended coefficient of restitution, in (0, 1].
-        e: f64,
+    /// Lankarani and Nikravesh with a restitution.
+    LankaraniNikravesh = "lankarani-nikravesh" {
+        /// coefficient of restitution, above 0 up to 1, for example { law = "lankarani-nikravesh", e = 0.9 }
+        e = "e"
     },
-    /// Flores, Machado, Silva and Martins with restitution `e` (-).
-    Flores {
-        /// Intended coefficient of restitution, in (0, 1].
-        e: f64,
+    /// Flores, Machado, Silva and Martins with a restitution.
+    Flores = "flores" {
+        /// coefficient of restitution, above 0 up to 1, for example { law = "flores", e = 0.9 }
+        e = "e"
     },
-    /// Gonthier, McPhee, Lange and Piedboeuf with restitution `e` (-).
-    Gonthier {
-        /// Intended coefficient of restitution, in (0, 1].
-        e: f64,
+    /// Gonthier, McPhee, Lange and Piedboeuf with a restitution.
+    Gonthier = "gonthier" {
+        /// coefficient of restitution, above 0 up to 1, for example { law = "gonthier", e = 0.9 }
+        e = "e"
+    },
+    /// Linear dashpot in parallel whose force is at most the elastic one, `|c d'| <= k d^n`: it has no jump at first
+    /// contact and no tension at the end.
+    KelvinVoigtBounded = "kelvin-voigt-bounded" {
+        /// damper in N s/m, zero or more, for example { law = "kelvin-voigt-bounded", damping_ns_per_m = 500.0 }
+        c = "damping_ns_per_m"
     },
 }
 
 impl Damping {
-    /// Every identifier that [`Damping::id`] can return.
-    pub const IDS: [&'static str; 9] = [
-        "none",
-        "kelvin-voigt",
-        "kelvin-voigt-ratio",
-        "ratio-at-load",
-        "hunt-crossley",
-        "lankarani-nikravesh",
-        "flores",
-        "gonthier",
-        "kelvin-voigt-bounded",
-    ];
-
-    /// Returns the identifier in scenes and reports.
-    pub fn id(&self) -> &'static str {
-        let index = match self {
-            Damping::None => 0,
-            Damping::KelvinVoigt { .. } => 1,
-            Damping::KelvinVoigtRatio { .. } => 2,
-            Damping::RatioAtLoad { .. } => 3,
-            Damping::HuntCrossley { .. } => 4,
-            Damping::LankaraniNikravesh { .. } => 5,
-            Damping::Flores { .. } => 6,
-            Damping::Gonthier { .. } => 7,
-            Damping::KelvinVoigtBounded { .. } => 8,
-        };
-        Self::IDS[index]
-    }
-
     /// Converts a ratio to critical damping to `c = 2 ratio sqrt(k m)` (N s/m) and returns every other kind unchanged.
     /// `stiffness` (N/m) is the linear contact stiffness, `reduced_mass` (kg) that of the two bodies along the line of
     /// action.
@@ -116,6 +129,44 @@ impl Damping {
         Ok(Damping::KelvinVoigt {
             c: 2.0 * ratio * (stiffness * reduced_mass).sqrt(),
         })
+    }
+
+    /// Checks the parameters and returns the coefficient of the dashpot (N s/m), zero for laws without it.
+    ///
+    /// # Errors
+    /// [`LawError`] names the parameter out of range; a ratio must be [resolved](Self::resolved) first.
+    pub(super) fn checked_dashpot(&self) -> Result<f64, LawError> {
+        let not_negative = |what, value: f64| match value.is_finite() && value >= 0.0 {
+            true => Ok(value),
+            false => Err(LawError::KelvinVoigt { what, value }),
+        };
+        if let Some(value) = self.restitution().filter(|e| !(*e > 0.0 && *e <= 1.0)) {
+            let law = self.id();
+            return Err(LawError::Restitution { law, value });
+        }
+        match *self {
+            Damping::KelvinVoigt { c } | Damping::KelvinVoigtBounded { c } => {
+                not_negative("c (N s/m)", c)
+            }
+            Damping::KelvinVoigtRatio { .. } => Err(LawError::UnresolvedRatio),
+            Damping::RatioAtLoad { ratio } => not_negative("ratio at load", ratio).map(|_| 0.0),
+            _ => Ok(0.0),
+        }
+    }
+
+    /// Returns the damping of a share of a contact: constant dashpots are multiplied by it.
+    #[inline]
+    pub(super) fn shared(self, share: f64) -> Damping {
+        match self {
+            Damping::KelvinVoigt { c } => Damping::KelvinVoigt { c: c * share },
+            Damping::KelvinVoigtBounded { c } => Damping::KelvinVoigtBounded { c: c * share },
+            other => other,
+        }
+    }
+
+    /// True if the load of the mesh determines the damping.
+    pub(crate) fn is_by_load(&self) -> bool {
+        matches!(self, Damping::RatioAtLoad { .. })
     }
 
     /// Returns the damping ratio of the law for small vibrations about a load: the loss of a restitution `e` in half a

@@ -61,7 +61,7 @@ mod tests;
 mod user_law;
 
 pub use branches::{CLOSED, OPEN, SATURATED, UNTOUCHED, touch_speed};
-pub use damping::{Damping, realised_restitution};
+pub use damping::{Damping, DampingKeys, realised_restitution};
 pub use dry::{DryFriction, Part};
 pub use error::LawError;
 pub use friction::{Film, Friction, FrictionForce, FrictionForm, MeshFilm};

@@ -79,33 +79,7 @@ impl Law {
         if !(1.0..=3.0).contains(&exponent) {
             return Err(LawError::Exponent { value: exponent });
         }
-        let c = match damping {
-            Damping::KelvinVoigt { c } | Damping::KelvinVoigtBounded { c }
-                if !(c.is_finite() && c >= 0.0) =>
-            {
-                return Err(LawError::KelvinVoigt {
-                    what: "c (N s/m)",
-                    value: c,
-                });
-            }
-            Damping::KelvinVoigt { c } | Damping::KelvinVoigtBounded { c } => c,
-            Damping::KelvinVoigtRatio { .. } => return Err(LawError::UnresolvedRatio),
-            _ => 0.0,
-        };
-        if let Damping::RatioAtLoad { ratio } = damping
-            && !(ratio.is_finite() && ratio >= 0.0)
-        {
-            return Err(LawError::KelvinVoigt {
-                what: "ratio at load",
-                value: ratio,
-            });
-        }
-        if let Some(value) = damping.restitution().filter(|e| !(*e > 0.0 && *e <= 1.0)) {
-            return Err(LawError::Restitution {
-                law: damping.id(),
-                value,
-            });
-        }
+        let c = damping.checked_dashpot()?;
         let power = if exponent == 1.0 {
             Power::One
         } else if exponent == 1.5 {
@@ -170,7 +144,7 @@ impl Law {
     pub fn under_load(self, load: MeshLoad) -> Result<Law, LawError> {
         let zeta = self.damping.ratio_at_load();
         let loaded = load.force > 0.0 && load.mass.is_finite();
-        let by_load = matches!(self.damping, Damping::RatioAtLoad { .. });
+        let by_load = self.damping.is_by_load();
         if zeta == 0.0 || !(loaded || by_load) {
             return Ok(self);
         }
@@ -203,18 +177,13 @@ impl Law {
     /// Returns the law of a point with a share of the contact: its constant damper is multiplied by the share.
     #[inline]
     pub fn shared(&self, share: f64) -> Law {
-        let damping = match self.damping {
-            Damping::KelvinVoigt { c } => Damping::KelvinVoigt { c: c * share },
-            Damping::KelvinVoigtBounded { c } => Damping::KelvinVoigtBounded { c: c * share },
-            other => other,
-        };
         let power = match &self.power {
             Power::HalfSpace(h) => Power::HalfSpace(h.shared(share)),
             Power::User(own) => Power::User(own.shared(share)),
             other => other.clone(),
         };
         Law {
-            damping,
+            damping: self.damping.shared(share),
             power,
             c: self.c * share,
             exponent: self.exponent,

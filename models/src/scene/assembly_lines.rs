@@ -178,7 +178,7 @@ pub(super) fn flank_lines(
                 .into(),
         ));
     }
-    let at_load = matches!(contact.damping, Damping::RatioAtLoad { .. });
+    let at_load = contact.damping.is_by_load();
     if contact.damping != Damping::None && !at_load {
         return Err(error(
             MeshPart::Damping,

@@ -105,7 +105,7 @@ pub(super) fn flank_points(
                 .into(),
         ));
     }
-    let at_load = matches!(contact.damping, Damping::RatioAtLoad { .. });
+    let at_load = contact.damping.is_by_load();
     if at_load && points.penalty().is_none_or(|[_, dashpot]| dashpot != 0.0) {
         return Err(error(
             MeshPart::Damping,

@@ -31,7 +31,7 @@ TABLES = {
     "GearModelTable": "GearModel",
     "ContactTable": "Contact",
     "StiffnessTable": "Stiffness",
-    "DampingTable": "ContactDamping",
+    "Damping": "ContactDamping",
     "FrictionTable": "Friction",
     "SharedDampingTable": "Damping",
     "ReferenceTable": "Reference",

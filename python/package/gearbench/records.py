@@ -1703,58 +1703,68 @@ class Metrics(RecordBase):
     against : str
         Id of the reference: `fe`, `calculix`, or `self` for the model's own converged solution.
     angle_l2 : float | None
-        Largest error of an angle: root mean square over the span of the reference's [-].
+        greatest error of an angle against an external reference: root mean square over the
+        range of the reference
     duration_s : float | None
-        Time in contact [s].
+        time with more than 1e-6 of the greatest contact force of the same mesh, of the mesh
+        where it is longest; meshes that bear less than a thousandth of the most loaded one do
+        not count
     energy_drift_rel : float | None
-        Residual of the run's energy ledger over its largest entry [-].
+        residual of the energy ledger over its largest entry
     force_l1 : float | None
-        Relative L1 error of the force history [-].
+        relative L1 error of the contact force: integral of the magnitude of its error over that
+        of the force; of the worst mesh
     force_l2 : float | None
-        Relative L2 error of the force history [-].
+        relative L2 error of the force history, of the worst mesh
     force_l2_aligned : float | None
-        Relative L2 error of the force history after the time shift that minimises it [-].
+        relative L2 error of the force history after the best shift in time, of the worst mesh
     impulse_ns : float | None
-        Impulse of the contact force [N s].
+        impulse of the contact force, of the mesh where it is greatest
     impulse_rel : float | None
-        Deviation of the impulse from the reference, over the reference [-].
+        error of the impulse, of the worst mesh
+    meshes : dict[str, str]
+        The mesh of each value by the key of its metric: the names of its gears, `_` between
+        them; empty for scenes with one mesh.
     peak_force_n : float | None
-        Peak force of the run [N].
+        greatest contact force, of the mesh where it is greatest
     peak_force_rel : float | None
-        Deviation of the peak from the reference, over the reference [-].
+        error of the peak force, of the worst mesh
     rebound_rel : float | None
-        Largest deviation of a gear's last speed from the reference, over the span of that speed
-        [-].
+        greatest error of the final speed of a gear over the range of that speed
     rms_force_n : float | None
-        Root mean square of the contact force over the time of the run [N].
+        root mean square of the contact force over the time of the run, of the mesh where it is
+        greatest
     rms_force_rel : float | None
-        Deviation of the root mean square from the reference, over the reference [-].
+        error of the root mean square of the force, of the worst mesh
     speed_l2 : float | None
-        Largest error of a speed: root mean square over the span of the reference's [-].
+        greatest error of a speed against an external reference: root mean square over the range
+        of the reference
     speeds_end : dict[str, float]
         Last angular velocity of each gear, in the order of the scene [rad/s]; of a rack its
         speed over the pitch radius of its mate.
     time_shift_s : float | None
-        Time shift [s] that minimises the relative L2 error; added to the times of the run.
+        best shift in time, added to the time of the run
     torque_l2 : float | None
-        Largest error of a torque: root mean square over the span of the reference's [-].
+        greatest error of a torque against an external reference: root mean square over the
+        range of the reference
     torque_peak_rel : float | None
-        Largest deviation of the peak of a torque from the reference, over the reference [-].
+        largest error of the peak of a torque
     transmission_error_l2 : float | None
-        Relative L2 error of the transmission error while the reference is in contact [-].
+        relative L2 error of the transmission error, of the worst mesh
     transmission_error_l2_aligned : float | None
-        Relative L2 error of the part of the transmission error that repeats with the mesh
-        cycle, without its mean and after the best shift [-].
+        relative L2 error of the periodic part of the transmission error, without its mean and
+        after the best shift, of the worst mesh
     transmission_error_orders_m : FloatArray
         Amplitudes of the transmission error by orders of the mesh cycle, from the first on,
-        over the last whole cycles [m].
+        over the last whole cycles [m]; of the mesh with the largest peak to peak.
     transmission_error_orders_rel : float | None
-        Error of these amplitudes: root of the sum of squares over that of the reference's [-].
+        error of the amplitudes of the transmission error at multiples of the mesh frequency,
+        over the last whole mesh cycles: root of the sum of squares over that of the
+        reference's; of the worst mesh
     transmission_error_pp_m : float | None
-        Peak to peak of the transmission error [m].
+        peak to peak of the transmission error, of the mesh where it is greatest
     transmission_error_pp_rel : float | None
-        Deviation of the peak to peak of the transmission error from the reference, over the
-        reference [-].
+        error of the peak to peak of the transmission error, of the worst mesh
     """
 
     _arrays: ClassVar[tuple[str, ...]] = ("transmission_error_orders_m",)
@@ -1767,6 +1777,7 @@ class Metrics(RecordBase):
     force_l2_aligned: float | None = None
     impulse_ns: float | None = None
     impulse_rel: float | None = None
+    meshes: dict[str, str] = field(default_factory=dict)
     peak_force_n: float | None = None
     peak_force_rel: float | None = None
     rebound_rel: float | None = None

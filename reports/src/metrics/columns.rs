@@ -10,7 +10,6 @@
 //! constant column of the reference has no span; its error is relative to its magnitude.
 
 use super::history::trapezoid_weights;
-use super::larger;
 use crate::record::finite;
 use crate::series::{SPEED, TimeSeries};
 
@@ -131,6 +130,14 @@ impl Pair {
             true => span,
             false => magnitude,
         }
+    }
+}
+
+/// Returns the error of larger magnitude among those that are known.
+fn larger(a: Option<f64>, b: Option<f64>) -> Option<f64> {
+    match (a, b) {
+        (Some(x), Some(y)) => Some(if y.abs() > x.abs() { y } else { x }),
+        (a, b) => a.or(b),
     }
 }
 

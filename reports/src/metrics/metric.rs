@@ -1,75 +1,157 @@
-//! The list of metrics with their keys, names and units; no other module names them.
+//! The list of metrics, the values of a run, and their keys, names, units and meanings; no other module names them.
 
+use crate::record::{not_a_number, ordered_map};
 use crate::words::words;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 
-words! {
-    /// A metric of a run against a reference by its key in records, tables and scene files; definitions in
-    /// [`crate::metrics`].
-    ///
-    /// An error is worse the larger its magnitude; quantities have no better and worse by themselves.
-    #[derive(PartialOrd, Ord)]
-    pub enum Metric {
-        /// Relative L1 error of the force history: the share of the impulse that acts at another time.
-        #[serde(alias = "force-l1")]
-        ForceL1 = "force_l1",
-        /// Relative L2 error of the force history.
-        #[serde(alias = "force")]
-        ForceL2 = "force_l2",
-        /// Relative L2 error of the force history after the time shift that minimises it.
-        #[default]
-        #[serde(alias = "force-aligned")]
-        ForceL2Aligned = "force_l2_aligned",
-        /// Time shift \[s\] that minimises the relative L2 error of the force history.
-        TimeShift = "time_shift_s",
-        /// Peak of the contact force.
-        PeakForce = "peak_force_n",
-        /// Deviation of the peak of the contact force from the reference, over the reference.
-        #[serde(alias = "peak")]
-        PeakForceRel = "peak_force_rel",
-        /// Root mean square of the contact force over the time of the run.
-        RmsForce = "rms_force_n",
-        /// Deviation of the root mean square of the contact force from the reference, over the reference.
-        #[serde(alias = "rms")]
-        RmsForceRel = "rms_force_rel",
-        /// Impulse of the contact force.
-        Impulse = "impulse_ns",
-        /// Deviation of the impulse from the reference, over the reference.
-        #[serde(alias = "impulse")]
-        ImpulseRel = "impulse_rel",
-        /// Time in contact \[s\].
-        Duration = "duration_s",
-        /// Largest deviation of a last speed of a gear, over the span of that speed.
-        #[serde(alias = "rebound")]
-        Rebound = "rebound_rel",
-        /// Relative L2 error of the transmission error.
-        #[serde(alias = "transmission-error")]
-        TransmissionError = "transmission_error_l2",
-        /// Peak to peak of the transmission error.
-        TransmissionErrorSpan = "transmission_error_pp_m",
-        /// Deviation of the peak to peak of the transmission error from the reference, over the reference.
-        #[serde(alias = "transmission-error-pp")]
-        TransmissionErrorSpanRel = "transmission_error_pp_rel",
-        /// Error of the amplitudes of the transmission error by orders of the mesh cycle.
-        #[serde(alias = "transmission-error-orders")]
-        TransmissionErrorOrders = "transmission_error_orders_rel",
-        /// Relative L2 error of the part of the transmission error that repeats with the mesh cycle, after the best shift.
-        #[serde(alias = "transmission-error-aligned")]
-        TransmissionErrorAligned = "transmission_error_l2_aligned",
-        /// Largest error of an angle, over the span of that angle.
-        #[serde(alias = "angle")]
-        Angle = "angle_l2",
-        /// Largest error of a speed over time, over the span of that speed.
-        #[serde(alias = "speed")]
-        Speed = "speed_l2",
-        /// Largest error of a torque, over the span of that torque.
-        #[serde(alias = "torque")]
-        Torque = "torque_l2",
-        /// Largest deviation of the peak of a torque, over the reference.
-        #[serde(alias = "torque-peak")]
-        TorquePeakRel = "torque_peak_rel",
-        /// Residual of the energy ledger over its largest entry.
-        #[serde(alias = "energy")]
-        EnergyDrift = "energy_drift_rel",
+/// Declares every metric once: variant, name on the command line (relative errors have one), field of the record with its key,
+/// name in prose, SI unit (ratios have none and are shown in per cent), meaning.
+macro_rules! metrics {
+    ($(
+        $(#[$default:meta])?
+        $variant:ident $(($option:literal))?, $field:ident = $key:literal: $words:literal $(in $unit:literal)?,
+            $meaning:literal;
+    )+) => {
+        words! {
+            /// A metric of a run against a reference by its key in records, tables and scene files; definitions in
+            /// [`crate::metrics`].
+            ///
+            /// An error is worse the larger its magnitude; quantities have no better and worse by themselves.
+            #[derive(PartialOrd, Ord)]
+            pub enum Metric {
+                $( $(#[$default])? #[doc = $meaning] $(#[serde(alias = $option)])? $variant = $key, )+
+            }
+        }
+
+        impl Metric {
+            /// Returns the name in prose.
+            pub fn words(self) -> &'static str {
+                match self { $(Self::$variant => $words,)+ }
+            }
+
+            /// Returns the SI unit; empty for ratios, which pages show in per cent.
+            pub fn unit(self) -> &'static str {
+                match self { $(Self::$variant => concat!($($unit)?),)+ }
+            }
+
+            /// Returns the name on the command line; only relative errors have one.
+            pub fn option(self) -> Option<&'static str> {
+                let name = match self { $(Self::$variant => concat!($($option)?),)+ };
+                Some(name).filter(|name| !name.is_empty())
+            }
+
+            /// Returns the meaning in the dictionary of columns.
+            pub fn meaning(self) -> &'static str {
+                match self { $(Self::$variant => $meaning,)+ }
+            }
+        }
+
+        /// Engineering outputs of one run against one reference; see [`crate::metrics`] for definitions.
+        #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+        #[cfg_attr(test, derive(schemars::JsonSchema))]
+        #[serde(default)]
+        pub struct Metrics {
+            $( #[doc = $meaning] #[serde(skip_serializing_if = "not_a_number")] pub $field: Option<f64>, )+
+            /// Last angular velocity of each gear, in the order of the scene [rad/s]; of a rack its speed over the pitch
+            /// radius of its mate.
+            #[serde(with = "ordered_map", skip_serializing_if = "Vec::is_empty")]
+            #[cfg_attr(test, schemars(with = "BTreeMap<String, f64>"))]
+            pub speeds_end: Vec<(String, f64)>,
+            /// Amplitudes of the transmission error by orders of the mesh cycle, from the first on, over the last whole
+            /// cycles \[m\]; of the mesh with the largest peak to peak.
+            #[serde(skip_serializing_if = "Vec::is_empty")]
+            pub transmission_error_orders_m: Vec<f64>,
+            /// The mesh of each value by the key of its metric: the names of its gears, `_` between them; empty for scenes
+            /// with one mesh.
+            #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+            pub meshes: BTreeMap<String, String>,
+            /// Id of the reference: `fe`, `calculix`, or `self` for the model's own converged solution.
+            pub against: String,
+        }
+
+        impl Metrics {
+            /// Returns the value of a metric.
+            pub fn get(&self, metric: Metric) -> Option<f64> {
+                match metric { $(Metric::$variant => self.$field,)+ }
+            }
+
+            fn value_mut(&mut self, metric: Metric) -> &mut Option<f64> {
+                match metric { $(Metric::$variant => &mut self.$field,)+ }
+            }
+        }
+    };
+}
+
+metrics! {
+    ForceL1 ("force-l1"), force_l1 = "force_l1": "relative L1 error of the contact force",
+        "relative L1 error of the contact force: integral of the magnitude of its error over that of the force; of the worst mesh";
+    ForceL2 ("force"), force_l2 = "force_l2": "force-history error",
+        "relative L2 error of the force history, of the worst mesh";
+    #[default]
+    ForceL2Aligned ("force-aligned"), force_l2_aligned = "force_l2_aligned": "time-aligned force-history error",
+        "relative L2 error of the force history after the best shift in time, of the worst mesh";
+    TimeShift, time_shift_s = "time_shift_s": "shift in time" in "s",
+        "best shift in time, added to the time of the run";
+    PeakForce, peak_force_n = "peak_force_n": "peak force" in "N",
+        "greatest contact force, of the mesh where it is greatest";
+    PeakForceRel ("peak"), peak_force_rel = "peak_force_rel": "peak-force error",
+        "error of the peak force, of the worst mesh";
+    RmsForce, rms_force_n = "rms_force_n": "rms force" in "N",
+        "root mean square of the contact force over the time of the run, of the mesh where it is greatest";
+    RmsForceRel ("rms"), rms_force_rel = "rms_force_rel": "rms-force error",
+        "error of the root mean square of the force, of the worst mesh";
+    Impulse, impulse_ns = "impulse_ns": "impulse" in "N s",
+        "impulse of the contact force, of the mesh where it is greatest";
+    ImpulseRel ("impulse"), impulse_rel = "impulse_rel": "impulse error",
+        "error of the impulse, of the worst mesh";
+    Duration, duration_s = "duration_s": "contact duration" in "s",
+        "time with more than 1e-6 of the greatest contact force of the same mesh, of the mesh where it is longest; meshes that bear less than a thousandth of the most loaded one do not count";
+    Rebound ("rebound"), rebound_rel = "rebound_rel": "rebound error",
+        "greatest error of the final speed of a gear over the range of that speed";
+    TransmissionError ("transmission-error"), transmission_error_l2 = "transmission_error_l2": "transmission-error error",
+        "relative L2 error of the transmission error, of the worst mesh";
+    TransmissionErrorSpan, transmission_error_pp_m = "transmission_error_pp_m": "peak-to-peak transmission error" in "m",
+        "peak to peak of the transmission error, of the mesh where it is greatest";
+    TransmissionErrorSpanRel ("transmission-error-pp"), transmission_error_pp_rel = "transmission_error_pp_rel": "peak-to-peak-transmission-error error",
+        "error of the peak to peak of the transmission error, of the worst mesh";
+    TransmissionErrorOrders ("transmission-error-orders"), transmission_error_orders_rel = "transmission_error_orders_rel": "transmission-error-orders error",
+        "error of the amplitudes of the transmission error at multiples of the mesh frequency, over the last whole mesh cycles: root of the sum of squares over that of the reference's; of the worst mesh";
+    TransmissionErrorAligned ("transmission-error-aligned"), transmission_error_l2_aligned = "transmission_error_l2_aligned": "aligned-transmission-error error",
+        "relative L2 error of the periodic part of the transmission error, without its mean and after the best shift, of the worst mesh";
+    Angle ("angle"), angle_l2 = "angle_l2": "angle error",
+        "greatest error of an angle against an external reference: root mean square over the range of the reference";
+    Speed ("speed"), speed_l2 = "speed_l2": "speed error",
+        "greatest error of a speed against an external reference: root mean square over the range of the reference";
+    Torque ("torque"), torque_l2 = "torque_l2": "torque error",
+        "greatest error of a torque against an external reference: root mean square over the range of the reference";
+    TorquePeakRel ("torque-peak"), torque_peak_rel = "torque_peak_rel": "torque-peak error",
+        "largest error of the peak of a torque";
+    EnergyDrift ("energy"), energy_drift_rel = "energy_drift_rel": "energy drift",
+        "residual of the energy ledger over its largest entry";
+}
+
+impl Metrics {
+    /// Returns the last angular velocity of a gear [rad/s].
+    pub fn speed_end(&self, gear: &str) -> Option<f64> {
+        let mut all = self.speeds_end.iter();
+        all.find_map(|(g, speed)| (g == gear).then_some(*speed))
+    }
+
+    /// Returns the mesh of a value: the names of its gears, `_` between them; `None` for scenes with one mesh.
+    pub fn mesh(&self, metric: Metric) -> Option<&str> {
+        self.meshes.get(metric.key()).map(String::as_str)
+    }
+
+    /// Keeps the value of a mesh where its magnitude is larger than that of the meshes before, and returns whether it is.
+    pub(super) fn keep_larger(&mut self, metric: Metric, mesh: &str, value: f64) -> bool {
+        let kept = self.value_mut(metric);
+        let is_larger = value.is_finite() && kept.is_none_or(|x| value.abs() > x.abs());
+        if is_larger {
+            *kept = Some(value);
+            self.meshes.insert(metric.key().to_owned(), mesh.to_owned());
+        }
+        is_larger
     }
 }
 
@@ -77,83 +159,6 @@ impl Metric {
     /// Returns the key in records, tables and scene files.
     pub fn key(self) -> &'static str {
         self.as_str()
-    }
-
-    /// Returns name in prose, SI unit (empty for ratios) and name on the command line.
-    fn facts(self) -> (&'static str, &'static str, Option<&'static str>) {
-        match self {
-            Self::ForceL1 => (
-                "relative L1 error of the contact force",
-                "",
-                Some("force-l1"),
-            ),
-            Self::ForceL2 => ("force-history error", "", Some("force")),
-            Self::ForceL2Aligned => (
-                "time-aligned force-history error",
-                "",
-                Some("force-aligned"),
-            ),
-            Self::TimeShift => ("shift in time", "s", None),
-            Self::PeakForce => ("peak force", "N", None),
-            Self::PeakForceRel => ("peak-force error", "", Some("peak")),
-            Self::RmsForce => ("rms force", "N", None),
-            Self::RmsForceRel => ("rms-force error", "", Some("rms")),
-            Self::Impulse => ("impulse", "N s", None),
-            Self::ImpulseRel => ("impulse error", "", Some("impulse")),
-            Self::Duration => ("contact duration", "s", None),
-            Self::Rebound => ("rebound error", "", Some("rebound")),
-            Self::TransmissionError => ("transmission-error error", "", Some("transmission-error")),
-            Self::TransmissionErrorSpan => ("peak-to-peak transmission error", "m", None),
-            Self::TransmissionErrorSpanRel => (
-                "peak-to-peak-transmission-error error",
-                "",
-                Some("transmission-error-pp"),
-            ),
-            Self::TransmissionErrorOrders => (
-                "transmission-error-orders error",
-                "",
-                Some("transmission-error-orders"),
-            ),
-            Self::TransmissionErrorAligned => (
-                "aligned-transmission-error error",
-                "",
-                Some("transmission-error-aligned"),
-            ),
-            Self::Angle => ("angle error", "", Some("angle")),
-            Self::Speed => ("speed error", "", Some("speed")),
-            Self::Torque => ("torque error", "", Some("torque")),
-            Self::TorquePeakRel => ("torque-peak error", "", Some("torque-peak")),
-            Self::EnergyDrift => ("energy drift", "", Some("energy")),
-        }
-    }
-
-    /// Returns the meaning in the dictionary of columns.
-    #[rustfmt::skip]
-    pub fn meaning(self) -> &'static str {
-        match self {
-            Self::ForceL1 => "relative L1 error of the contact force: integral of the magnitude of its error over that of the force; of the worst mesh",
-            Self::ForceL2 => "relative L2 error of the force history, of the worst mesh",
-            Self::ForceL2Aligned => "relative L2 error of the force history after the best shift in time, of the worst mesh",
-            Self::TimeShift => "best shift in time, added to the time of the run",
-            Self::PeakForce => "greatest contact force of the first mesh",
-            Self::PeakForceRel => "error of the peak force, of the worst mesh",
-            Self::RmsForce => "root mean square of the contact force of the first mesh over the time of the run",
-            Self::RmsForceRel => "error of the root mean square of the force, of the worst mesh",
-            Self::Impulse => "impulse of the contact force of the first mesh",
-            Self::ImpulseRel => "error of the impulse, of the worst mesh",
-            Self::Duration => "time with more than 1e-6 of the greatest contact force, of the first mesh",
-            Self::Rebound => "greatest error of the final speed of a gear over the range of that speed",
-            Self::TransmissionError => "relative L2 error of the transmission error, of the worst mesh",
-            Self::TransmissionErrorSpan => "peak to peak of the transmission error of the first mesh",
-            Self::TransmissionErrorSpanRel => "error of the peak to peak of the transmission error, of the worst mesh",
-            Self::TransmissionErrorOrders => "error of the amplitudes of the transmission error at multiples of the mesh frequency, over the last whole mesh cycles: root of the sum of squares over that of the reference's; of the worst mesh",
-            Self::TransmissionErrorAligned => "relative L2 error of the periodic part of the transmission error, without its mean and after the best shift, of the worst mesh",
-            Self::Angle => "greatest error of an angle against an external reference: root mean square over the range of the reference",
-            Self::Speed => "greatest error of a speed against an external reference: root mean square over the range of the reference",
-            Self::Torque => "greatest error of a torque against an external reference: root mean square over the range of the reference",
-            Self::TorquePeakRel => "largest error of the peak of a torque",
-            Self::EnergyDrift => "residual of the energy ledger over its largest entry",
-        }
     }
 
     /// Returns the metric for integration errors that corresponds to this metric for model errors. A force with jumps
@@ -177,11 +182,6 @@ impl Metric {
         )
     }
 
-    /// Returns the name in prose.
-    pub fn words(self) -> &'static str {
-        self.facts().0
-    }
-
     /// Returns the head of a column with the metric: its name in prose without the word "error".
     pub fn short(self) -> String {
         let words = self.words();
@@ -199,16 +199,6 @@ impl Metric {
         ];
         let apart = |text: String, pair: &str| text.replace(pair, &pair.replace('-', " "));
         joined.into_iter().fold(what.to_owned(), apart)
-    }
-
-    /// Returns the SI unit; empty for ratios, which pages show in per cent.
-    pub fn unit(self) -> &'static str {
-        self.facts().1
-    }
-
-    /// Returns the name on the command line; only relative errors have one.
-    pub fn option(self) -> Option<&'static str> {
-        self.facts().2
     }
 
     /// True if the metric is a relative error: the larger its magnitude, the worse.

@@ -21,13 +21,14 @@
 //!
 //! Errors of the force are the largest over the meshes whose forces both sides have, of those whose reference bears at least
 //! 1e-3 of the force of the most loaded one (root mean squares); the alignment is that of each mesh, the shift that of the
-//! mesh with the largest aligned error. Peak, impulse, root mean square and duration are those of the first mesh of the scene;
-//! those of all meshes are in [`MeshForce`](crate::record::MeshForce). The rebound error is the largest over all gears whose
-//! speeds both sides have. Errors of the transmission error are the largest over all meshes likewise, with f_r the force of the
-//! mesh, those of peak to peak and of orders over meshes whose reference has at least 1e-3 of the largest peak to peak; peak to
-//! peak and amplitudes themselves are those of the first mesh. A metric whose quantity the reference lacks is absent; without
-//! a force the transmission error is compared at all its times. T is the duration of the reference. Angles and torques are compared
-//! with external references only (`columns.rs`).
+//! mesh with the largest aligned error. Peak, impulse, root mean square, duration and peak to peak are likewise those of the mesh
+//! for which they are largest, the duration over meshes that bear at least 1e-3 of the force of the most loaded one. Forces of
+//! all meshes are in [`MeshForce`](crate::record::MeshForce), and [`Metrics::meshes`] has the mesh of each value. The rebound
+//! error is the largest over all gears whose speeds both sides have. Errors of the transmission error are the largest over all
+//! meshes likewise, with f_r the force of the mesh, those of peak to peak and of orders over meshes whose reference has at least
+//! 1e-3 of the largest peak to peak; amplitudes themselves are those of the mesh with the largest peak to peak that passes a
+//! whole cycle. A metric whose quantity the reference lacks is absent; without a force the transmission error is compared at all
+//! its times. T is the duration of the reference. Angles and torques are compared with external references only (`columns.rs`).
 //!
 //! **Integrals.** Forces of runs are polynomials between located events, with both sides of every jump
 //! ([`ForceHistory`](crate::force::ForceHistory)). Between two runs, integrals are Gauss quadratures over the union of
@@ -53,9 +54,9 @@ pub mod meshes;
 mod metric;
 pub mod orders;
 
-pub use metric::Metric;
+pub use metric::{Metric, Metrics};
 
-use crate::record::{Ledger, Metrics, finite};
+use crate::record::{Ledger, finite};
 use crate::series::{CONTACT_FORCE, SPEED, TRANSMISSION_ERROR, TimeSeries, resample};
 pub(crate) use columns::at_times;
 pub(crate) use history::trapezoid_weights;
@@ -106,22 +107,32 @@ impl<'a> FinishedRun<'a> {
     }
 }
 
+/// Contact force of a mesh of a run up to the end of a comparison, with its peak \[N\], impulse [N s] and root mean square
+/// \[N\].
+struct ForceOfMesh<'s> {
+    mesh: &'s str,
+    force: Force<'s>,
+    peak: f64,
+    impulse: f64,
+    rms: f64,
+}
+
 /// Compares a run with a reference; `against` is the id of that reference.
 ///
 /// A quantity that the data cannot give is `None`; broken data never panic. The energy drift comes
 /// from the run's ledger.
 pub fn compare(run: FinishedRun<'_>, reference: &TimeSeries, against: &str) -> Metrics {
     let FinishedRun { series, ledger } = run;
-    let mesh = series.first_mesh().map_or("", |(mesh, _)| mesh);
-    let target = Target::of(reference, mesh);
-    let has_force = !samples_of(reference, mesh).is_empty();
+    let meshes: Vec<&str> = series.all_of(CONTACT_FORCE).map(|(mesh, _)| mesh).collect();
     // A run cannot be compared after the end of its reference.
-    let window = match has_force {
-        false => reference.time_s.last().copied().unwrap_or(f64::INFINITY),
-        true => target.end(),
-    };
-    let history = force_of(series, mesh);
-    let run = Force::until(&history, window);
+    let ends = (meshes
+        .iter()
+        .filter(|mesh| !samples_of(reference, mesh).is_empty()))
+    .map(|mesh| Target::of(reference, mesh).end());
+    let window = ends.reduce(f64::min).unwrap_or_else(|| {
+        let last = reference.time_s.last().copied();
+        last.unwrap_or(f64::INFINITY)
+    });
     let known = series.time_s.partition_point(|&t| t <= window);
     let end = |(gear, speed): (&str, &[f64])| {
         let last = last_finite(&speed[..known.min(speed.len())])?;
@@ -136,65 +147,56 @@ pub fn compare(run: FinishedRun<'_>, reference: &TimeSeries, against: &str) -> M
     if known == 0 {
         return metrics;
     }
-    let (peak, _) = run.peak();
-    let impulse = run.impulse();
-    metrics.peak_force_n = finite(peak);
-    metrics.impulse_ns = finite(impulse);
     let lasts = window.min(series.time_s[known - 1]) - series.time_s[0];
-    let rms = |force: &Force<'_>| (force.square() / lasts).sqrt();
-    metrics.rms_force_n = finite(rms(&run));
-    let span_of_error =
-        |of: &TimeSeries, mesh: &str| span_until(of, of.of(TRANSMISSION_ERROR, mesh)?, window);
-    metrics.transmission_error_pp_m = span_of_error(series, mesh);
-    if let Some(own) = &CycleHistory::of_run(series, mesh)
-        && let Some(whole) = CycleHistory::whole([own])
-    {
-        metrics.transmission_error_orders_m = own.amplitudes(whole, orders::KEPT);
-    }
-    metrics.duration_s = finite(run.time_above(CONTACT_THRESHOLD * peak));
-    if reference.len() < 2 {
-        return metrics;
-    }
-    let both = |(mesh, _)| {
-        let (own, wanted) = (
-            span_of_error(series, mesh)?,
-            span_of_error(reference, mesh)?,
-        );
-        Some((mesh, own, wanted))
-    };
-    let spans: Vec<(&str, f64, f64)> = (reference.all_of(TRANSMISSION_ERROR))
-        .filter_map(both)
+    let histories: Vec<_> = (meshes.iter())
+        .map(|mesh| (*mesh, force_of(series, mesh)))
         .collect();
-    let most = spans.iter().map(|s| s.2).fold(0.0, f64::max);
-    for (mesh, own, wanted) in spans.into_iter().filter(|s| s.2 >= BORNE * most) {
-        let worst = |metric: &mut Option<f64>, error: f64| {
-            *metric = larger(*metric, finite(error));
-        };
-        let deviates = deviation(own, wanted);
-        worst(&mut metrics.transmission_error_pp_rel, deviates);
-        if let Some(own) = CycleHistory::of_run(series, mesh)
-            && let Some(wanted) = CycleHistory::of_reference(reference, series, mesh)
-            && let Some(errors) = orders::errors(&own, &wanted)
-        {
-            worst(
-                &mut metrics.transmission_error_orders_rel,
-                errors.amplitudes,
-            );
-            worst(&mut metrics.transmission_error_l2_aligned, errors.aligned);
+    let forces: Vec<ForceOfMesh<'_>> = (histories.iter())
+        .map(|(mesh, history)| {
+            let force = Force::until(history, window);
+            ForceOfMesh {
+                mesh,
+                peak: force.peak().0,
+                impulse: force.impulse(),
+                rms: (force.square() / lasts).sqrt(),
+                force,
+            }
+        })
+        .collect();
+    let most = forces.iter().map(|f| f.rms).fold(0.0, f64::max);
+    for f in &forces {
+        metrics.keep_larger(Metric::PeakForce, f.mesh, f.peak);
+        metrics.keep_larger(Metric::Impulse, f.mesh, f.impulse);
+        metrics.keep_larger(Metric::RmsForce, f.mesh, f.rms);
+        if f.rms >= BORNE * most {
+            let lasts = f.force.time_above(CONTACT_THRESHOLD * f.peak);
+            metrics.keep_larger(Metric::Duration, f.mesh, lasts);
         }
     }
-    metrics.rebound_rel = rebound(series, reference, window);
-    let errors = reference.all_of(TRANSMISSION_ERROR);
-    metrics.transmission_error_l2 = errors
-        .map(|(mesh, _)| transmission_error(series, reference, mesh, window))
-        .fold(None, larger);
-    if reference.forces.is_empty() {
-        metrics.angle_l2 = columns::worst(series, reference, columns::is_angle);
-        metrics.speed_l2 = columns::worst(series, reference, columns::is_speed);
-        metrics.torque_l2 = columns::worst(series, reference, columns::is_torque);
-        metrics.torque_peak_rel = columns::peak(series, reference, columns::is_torque);
+    let mut spans = spans_until(series, window);
+    for (mesh, span) in &spans {
+        metrics.keep_larger(Metric::TransmissionErrorSpan, mesh, *span);
     }
-    force_errors(&mut metrics, series, reference, [window, lasts]);
+    spans.sort_by(|a, b| b.1.total_cmp(&a.1));
+    let orders = spans.iter().find_map(|(mesh, _)| {
+        let own = CycleHistory::of_run(series, mesh)?;
+        let whole = CycleHistory::whole([&own])?;
+        Some(own.amplitudes(whole, orders::KEPT))
+    });
+    metrics.transmission_error_orders_m = orders.unwrap_or_default();
+    if reference.len() >= 2 {
+        let all = ErrorsOver {
+            series,
+            reference,
+            window,
+        };
+        all.of_transmission_errors(&mut metrics, &spans);
+        all.of_motions(&mut metrics);
+        all.of_forces(&mut metrics, &forces, lasts);
+    }
+    if meshes.len() < 2 {
+        metrics.meshes.clear();
+    }
     metrics
 }
 
@@ -202,59 +204,103 @@ pub fn compare(run: FinishedRun<'_>, reference: &TimeSeries, against: &str) -> M
 /// peak to peak of its transmission error.
 const BORNE: f64 = 1e-3;
 
-/// Adds the errors of the contact forces (see the head of the module); `window` is the end of the comparison, `lasts` its
-/// duration \[s\].
-fn force_errors(
-    metrics: &mut Metrics,
-    series: &TimeSeries,
-    reference: &TimeSeries,
-    [window, lasts]: [f64; 2],
-) {
-    let meshes: Vec<&str> = series.all_of(CONTACT_FORCE).map(|(mesh, _)| mesh).collect();
-    let known = |mesh: &&&str| !samples_of(reference, mesh).is_empty();
-    let compared: Vec<&str> = match meshes.iter().filter(known).count() {
-        // Nothing is known of the forces: the first mesh stands for that.
-        0 => vec![meshes.first().copied().unwrap_or("")],
-        _ => meshes.iter().filter(known).copied().collect(),
-    };
-    let histories: Vec<_> = (compared.iter())
-        .map(|mesh| (mesh, force_of(series, mesh), force_of(reference, mesh)))
-        .collect();
-    let rms = |force: &Force<'_>| (force.square() / lasts).sqrt();
-    let forces: Vec<_> = (histories.iter())
-        .map(|(mesh, own, wanted)| {
-            let wanted = Force::until(wanted, window);
-            (mesh, Force::until(own, window), rms(&wanted), wanted)
-        })
-        .collect();
-    let most = forces.iter().map(|f| f.2).fold(0.0, f64::max);
-    for (mesh, own, bears, wanted) in &forces {
-        if *bears < BORNE * most {
-            continue;
+/// Errors of the histories of a run against a reference up to a time (see the head of the module).
+struct ErrorsOver<'s> {
+    series: &'s TimeSeries,
+    reference: &'s TimeSeries,
+    /// End of the comparison \[s\].
+    window: f64,
+}
+
+impl ErrorsOver<'_> {
+    /// Adds the errors of the transmission errors; `spans` are the peaks to peaks of the run by mesh \[m\].
+    fn of_transmission_errors(&self, metrics: &mut Metrics, spans: &[(&str, f64)]) {
+        let (series, reference) = (self.series, self.reference);
+        let wanted = spans_until(reference, self.window);
+        let most = wanted.iter().map(|s| s.1).fold(0.0, f64::max);
+        for (mesh, wanted) in wanted.into_iter().filter(|s| s.1 >= BORNE * most) {
+            let Some((_, own)) = spans.iter().find(|(own, _)| *own == mesh) else {
+                continue;
+            };
+            let error = deviation(*own, wanted);
+            metrics.keep_larger(Metric::TransmissionErrorSpanRel, mesh, error);
+            if let Some(own) = CycleHistory::of_run(series, mesh)
+                && let Some(wanted) = CycleHistory::of_reference(reference, series, mesh)
+                && let Some(errors) = orders::errors(&own, &wanted)
+            {
+                metrics.keep_larger(Metric::TransmissionErrorOrders, mesh, errors.amplitudes);
+                metrics.keep_larger(Metric::TransmissionErrorAligned, mesh, errors.aligned);
+            }
         }
-        let target = Target::of(reference, mesh);
-        let worst = |metric: &mut Option<f64>, error: f64| {
-            *metric = larger(*metric, finite(error));
-        };
-        let peaks = deviation(own.peak().0, wanted.peak().0);
-        worst(&mut metrics.peak_force_rel, peaks);
-        let impulses = deviation(own.impulse(), wanted.impulse());
-        worst(&mut metrics.impulse_rel, impulses);
-        if !samples_of(reference, mesh).is_empty() {
-            worst(&mut metrics.rms_force_rel, deviation(rms(own), *bears));
+        for (mesh, _) in reference.all_of(TRANSMISSION_ERROR) {
+            if let Some(error) = transmission_error(series, reference, mesh, self.window) {
+                metrics.keep_larger(Metric::TransmissionError, mesh, error);
+            }
         }
-        let distance = target.distance(own, 0.0);
-        worst(&mut metrics.force_l1, distance.l1);
-        worst(&mut metrics.force_l2, distance.l2);
-        if distance.l2.is_finite() {
-            let (shift, aligned) = target.best_shift(own);
-            if metrics.force_l2_aligned.is_none_or(|known| aligned > known) {
-                metrics.force_l2_aligned = finite(aligned);
-                metrics.time_shift_s = finite(shift);
+    }
+
+    /// Adds the errors of speeds, angles and torques.
+    fn of_motions(&self, metrics: &mut Metrics) {
+        let (series, reference) = (self.series, self.reference);
+        metrics.rebound_rel = rebound(series, reference, self.window);
+        if reference.forces.is_empty() {
+            metrics.angle_l2 = columns::worst(series, reference, columns::is_angle);
+            metrics.speed_l2 = columns::worst(series, reference, columns::is_speed);
+            metrics.torque_l2 = columns::worst(series, reference, columns::is_torque);
+            metrics.torque_peak_rel = columns::peak(series, reference, columns::is_torque);
+        }
+    }
+
+    /// Adds the errors of the contact forces; `lasts` is the duration of the comparison \[s\].
+    fn of_forces(&self, metrics: &mut Metrics, forces: &[ForceOfMesh<'_>], lasts: f64) {
+        let (reference, window) = (self.reference, self.window);
+        let compared: Vec<_> = (forces.iter())
+            .filter(|own| !samples_of(reference, own.mesh).is_empty())
+            .map(|own| (own, force_of(reference, own.mesh)))
+            .collect();
+        let compared: Vec<_> = (compared.iter())
+            .map(|(own, wanted)| {
+                let wanted = Force::until(wanted, window);
+                (own, (wanted.square() / lasts).sqrt(), wanted)
+            })
+            .collect();
+        let most = compared.iter().map(|f| f.1).fold(0.0, f64::max);
+        for (own, bears, wanted) in &compared {
+            if *bears < BORNE * most {
+                continue;
+            }
+            let mesh = own.mesh;
+            let target = Target::of(reference, mesh);
+            let peaks = deviation(own.peak, wanted.peak().0);
+            metrics.keep_larger(Metric::PeakForceRel, mesh, peaks);
+            let impulses = deviation(own.impulse, wanted.impulse());
+            metrics.keep_larger(Metric::ImpulseRel, mesh, impulses);
+            metrics.keep_larger(Metric::RmsForceRel, mesh, deviation(own.rms, *bears));
+            let distance = target.distance(&own.force, 0.0);
+            metrics.keep_larger(Metric::ForceL1, mesh, distance.l1);
+            metrics.keep_larger(Metric::ForceL2, mesh, distance.l2);
+            if distance.l2.is_finite() {
+                let (shift, aligned) = target.best_shift(&own.force);
+                if metrics.keep_larger(Metric::ForceL2Aligned, mesh, aligned) {
+                    metrics.time_shift_s = finite(shift);
+                }
             }
         }
     }
 }
+
+/// Metrics of histories that a reference may have on further axes of time.
+const OF_FURTHER_HISTORIES: [Metric; 9] = [
+    Metric::Rebound,
+    Metric::TransmissionError,
+    Metric::TransmissionErrorSpanRel,
+    Metric::TransmissionErrorOrders,
+    Metric::TransmissionErrorAligned,
+    Metric::Angle,
+    Metric::Speed,
+    Metric::Torque,
+    Metric::TorquePeakRel,
+];
 
 /// Compares a run with a reference whose histories have several axes of time, the contact force on the first: each metric
 /// is that of the histories it is about, the worst where several are.
@@ -265,29 +311,14 @@ pub fn compare_all(run: FinishedRun<'_>, all: &[&TimeSeries], against: &str) -> 
         ..Metrics::default()
     });
     for more in all {
-        for (worst, more) in [
-            (&mut whole.rebound_rel, more.rebound_rel),
-            (&mut whole.transmission_error_l2, more.transmission_error_l2),
-            (
-                &mut whole.transmission_error_pp_rel,
-                more.transmission_error_pp_rel,
-            ),
-            (
-                &mut whole.transmission_error_orders_rel,
-                more.transmission_error_orders_rel,
-            ),
-            (
-                &mut whole.transmission_error_l2_aligned,
-                more.transmission_error_l2_aligned,
-            ),
-            (&mut whole.angle_l2, more.angle_l2),
-            (&mut whole.speed_l2, more.speed_l2),
-            (&mut whole.torque_l2, more.torque_l2),
-            (&mut whole.torque_peak_rel, more.torque_peak_rel),
-        ] {
-            *worst = larger(*worst, more);
+        for metric in OF_FURTHER_HISTORIES {
+            if let Some(error) = more.get(metric) {
+                let mesh = more.meshes.get(metric.key());
+                whole.keep_larger(metric, mesh.map_or("", String::as_str), error);
+            }
         }
     }
+    whole.meshes.retain(|_, mesh| !mesh.is_empty());
     whole
 }
 
@@ -299,22 +330,17 @@ fn deviation(value: f64, reference: f64) -> f64 {
     }
 }
 
-/// Returns the error of larger magnitude among those that are known.
-fn larger(a: Option<f64>, b: Option<f64>) -> Option<f64> {
-    match (a, b) {
-        (Some(x), Some(y)) => Some(if y.abs() > x.abs() { y } else { x }),
-        (a, b) => a.or(b),
-    }
-}
-
-/// Computes the peak to peak of a history up to a time.
-fn span_until(series: &TimeSeries, history: &[f64], until: f64) -> Option<f64> {
+/// Computes the peak to peak of the transmission error of each mesh up to a time \[m\].
+fn spans_until(series: &TimeSeries, until: f64) -> Vec<(&str, f64)> {
     let known = series.time_s.partition_point(|&t| t <= until);
-    let values = history.iter().take(known).filter(|x| x.is_finite());
-    let (least, most) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| {
-        (a.min(*x), b.max(*x))
-    });
-    finite(most - least)
+    let span = |(mesh, history): (_, &[f64])| {
+        let values = history.iter().take(known).filter(|x| x.is_finite());
+        let (least, most) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| {
+            (a.min(*x), b.max(*x))
+        });
+        Some((mesh, finite(most - least)?))
+    };
+    series.all_of(TRANSMISSION_ERROR).filter_map(span).collect()
 }
 
 /// Relative change of speed below which a gear counts as held, over the change of the fastest gear.

@@ -272,6 +272,49 @@ fn samples_from_elsewhere_are_met_at_their_own_times() {
     close(m.force_l2, 0.0, 1e-12);
 }
 
+/// Quantities are those of the mesh where they are largest, by whatever place it has, and the mesh is named; a mesh that
+/// hardly bears a force has no duration. Scenes with one mesh name none.
+#[test]
+fn the_largest_quantity_counts() {
+    let meshes = ["a_b", "b_c", "c_d"];
+    let of = |name: &str, unit: &str| meshes.map(|mesh| format!("{name}_{mesh}{unit}"));
+    let mut s =
+        TimeSeries::named([of("contact_force", "_n"), of("transmission_error", "_m")].concat());
+    for i in 0..=1000 {
+        let t = 1e-3 * f64::from(i);
+        // A high short force, a long one with a larger impulse, and next to none all the time.
+        let short = if t < 0.1 {
+            100.0 * (10.0 * PI * t).sin()
+        } else {
+            0.0
+        };
+        let long = if t < 0.5 {
+            50.0 * (2.0 * PI * t).sin()
+        } else {
+            0.0
+        };
+        let error = 1e-6 * (2.0 * PI * t).cos();
+        s.push(t, &[1e-3, long, short, error, 2.0 * error, 3.0 * error]);
+    }
+    let m = metrics_of(&s, &s, "self");
+    close(m.peak_force_n, 100.0, 1e-2);
+    close(m.impulse_ns, 50.0 / PI, 1e-2);
+    close(m.rms_force_n, 25.0, 1e-2);
+    close(m.duration_s, 0.5, 1e-3);
+    close(m.transmission_error_pp_m, 6e-6, 1e-12);
+    for (metric, mesh) in [
+        (Metric::PeakForce, "c_d"),
+        (Metric::Impulse, "b_c"),
+        (Metric::RmsForce, "b_c"),
+        (Metric::Duration, "b_c"),
+        (Metric::TransmissionErrorSpan, "c_d"),
+    ] {
+        assert_eq!(m.mesh(metric), Some(mesh), "{metric}");
+    }
+    let one = half_sine(1e-4, 1e-4, 3000.0, 1e-7);
+    assert!(metrics_of(&one, &one, "self").meshes.is_empty());
+}
+
 /// Errors of the force are those of the mesh that is worst; a mesh that hardly bears a force does not count.
 #[test]
 fn the_worst_mesh_counts() {
@@ -297,6 +340,7 @@ fn the_worst_mesh_counts() {
     close(m.impulse_rel, -0.05, 1e-9);
     close(m.rms_force_rel, -0.05, 1e-9);
     close(m.peak_force_n, 101.0, 1e-9);
+    assert_eq!(m.mesh(Metric::ForceL2), Some("b_c"));
     // A reference that knows one of the meshes decides by that.
     let mut first = reference.clone();
     first.columns.truncate(1);
@@ -335,4 +379,5 @@ fn the_worst_transmission_error_counts() {
     close(m.transmission_error_orders_rel, 0.05, 1e-6);
     close(m.transmission_error_l2_aligned, 0.05, 1e-6);
     close(m.transmission_error_pp_m, 2.02e-6, 1e-9);
+    assert_eq!(m.mesh(Metric::TransmissionErrorSpanRel), Some("b_c"));
 }

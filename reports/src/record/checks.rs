@@ -61,7 +61,7 @@ impl Results {
             if let Some(series) = &run.series {
                 (series.validate()).map_err(|e| of_run(format!("series: {e}")))?;
                 // A reference may have other histories alone.
-                if !series.is_empty() && series.first_mesh().is_none() {
+                if !series.is_empty() && series.most_loaded_mesh().is_none() {
                     return Err(of_run("series: no column has a contact force".into()));
                 }
             }

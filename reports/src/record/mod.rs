@@ -17,6 +17,7 @@ mod run;
 mod source;
 
 use crate::metrics::Metric;
+pub use crate::metrics::Metrics;
 use crate::series::TimeSeries;
 use crate::studies::choose::Adequacy;
 use crate::studies::compare::Yardstick;
@@ -302,129 +303,9 @@ pub(crate) fn slug(text: &str) -> String {
     out.trim_end_matches('-').to_owned()
 }
 
-/// Engineering outputs of one run against one reference; see [`crate::metrics`] for definitions.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
-#[serde(default)]
-pub struct Metrics {
-    /// Relative L1 error of the force history [-].
-    #[serde(skip_serializing_if = "not_a_number")]
-    pub force_l1: Option<f64>,
-    /// Relative L2 error of the force history [-].
-    #[serde(skip_serializing_if = "not_a_number")]
-    pub force_l2: Option<f64>,
-    /// Relative L2 error of the force history after the time shift that minimises it [-].
-    #[serde(skip_serializing_if = "not_a_number")]
-    pub force_l2_aligned: Option<f64>,
-    /// Time shift \[s\] that minimises the relative L2 error; added to the times of the run.
-    #[serde(skip_serializing_if = "not_a_number")]
-    pub time_shift_s: Option<f64>,
-    /// Peak force of the run \[N\].
-    #[serde(skip_serializing_if = "not_a_number")]
-    pub peak_force_n: Option<f64>,
-    /// Deviation of the peak from the reference, over the reference [-].
-    #[serde(skip_serializing_if = "not_a_number")]
-    pub peak_force_rel: Option<f64>,
-    /// Root mean square of the contact force over the time of the run \[N\].
-    #[serde(skip_serializing_if = "not_a_number")]
-    pub rms_force_n: Option<f64>,
-    /// Deviation of the root mean square from the reference, over the reference [-].
-    #[serde(skip_serializing_if = "not_a_number")]
-    pub rms_force_rel: Option<f64>,
-    /// Impulse of the contact force [N s].
-    #[serde(skip_serializing_if = "not_a_number")]
-    pub impulse_ns: Option<f64>,
-    /// Deviation of the impulse from the reference, over the reference [-].
-    #[serde(skip_serializing_if = "not_a_number")]
-    pub impulse_rel: Option<f64>,
-    /// Time in contact \[s\].
-    #[serde(skip_serializing_if = "not_a_number")]
-    pub duration_s: Option<f64>,
-    /// Last angular velocity of each gear, in the order of the scene [rad/s]; of a rack its speed over the pitch radius of
-    /// its mate.
-    #[serde(with = "ordered_map", skip_serializing_if = "Vec::is_empty")]
-    #[cfg_attr(test, schemars(with = "std::collections::BTreeMap<String, f64>"))]
-    pub speeds_end: Vec<(String, f64)>,
-    /// Largest deviation of a gear's last speed from the reference, over the span of that speed [-].
-    #[serde(skip_serializing_if = "not_a_number")]
-    pub rebound_rel: Option<f64>,
-    /// Relative L2 error of the transmission error while the reference is in contact [-].
-    #[serde(skip_serializing_if = "not_a_number")]
-    pub transmission_error_l2: Option<f64>,
-    /// Peak to peak of the transmission error \[m\].
-    #[serde(skip_serializing_if = "not_a_number")]
-    pub transmission_error_pp_m: Option<f64>,
-    /// Deviation of the peak to peak of the transmission error from the reference, over the reference [-].
-    #[serde(skip_serializing_if = "not_a_number")]
-    pub transmission_error_pp_rel: Option<f64>,
-    /// Amplitudes of the transmission error by orders of the mesh cycle, from the first on, over the last whole cycles \[m\].
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub transmission_error_orders_m: Vec<f64>,
-    /// Error of these amplitudes: root of the sum of squares over that of the reference's [-].
-    #[serde(skip_serializing_if = "not_a_number")]
-    pub transmission_error_orders_rel: Option<f64>,
-    /// Relative L2 error of the part of the transmission error that repeats with the mesh cycle, without its mean and after
-    /// the best shift [-].
-    #[serde(skip_serializing_if = "not_a_number")]
-    pub transmission_error_l2_aligned: Option<f64>,
-    /// Largest error of an angle: root mean square over the span of the reference's [-].
-    #[serde(skip_serializing_if = "not_a_number")]
-    pub angle_l2: Option<f64>,
-    /// Largest error of a speed: root mean square over the span of the reference's [-].
-    #[serde(skip_serializing_if = "not_a_number")]
-    pub speed_l2: Option<f64>,
-    /// Largest error of a torque: root mean square over the span of the reference's [-].
-    #[serde(skip_serializing_if = "not_a_number")]
-    pub torque_l2: Option<f64>,
-    /// Largest deviation of the peak of a torque from the reference, over the reference [-].
-    #[serde(skip_serializing_if = "not_a_number")]
-    pub torque_peak_rel: Option<f64>,
-    /// Residual of the run's energy ledger over its largest entry [-].
-    #[serde(skip_serializing_if = "not_a_number")]
-    pub energy_drift_rel: Option<f64>,
-    /// Id of the reference: `fe`, `calculix`, or `self` for the model's own converged solution.
-    pub against: String,
-}
-
 /// Returns the key of the last speed of a gear in tables and baselines.
 pub fn speed_end(gear: &str) -> String {
     format!("speed_end_{gear}_rad_s")
-}
-
-impl Metrics {
-    /// Returns the last angular velocity of a gear [rad/s].
-    pub fn speed_end(&self, gear: &str) -> Option<f64> {
-        let mut all = self.speeds_end.iter();
-        all.find_map(|(g, speed)| (g == gear).then_some(*speed))
-    }
-
-    /// Returns the value of a metric.
-    pub fn get(&self, metric: Metric) -> Option<f64> {
-        match metric {
-            Metric::ForceL1 => self.force_l1,
-            Metric::ForceL2 => self.force_l2,
-            Metric::ForceL2Aligned => self.force_l2_aligned,
-            Metric::TimeShift => self.time_shift_s,
-            Metric::PeakForce => self.peak_force_n,
-            Metric::PeakForceRel => self.peak_force_rel,
-            Metric::RmsForce => self.rms_force_n,
-            Metric::RmsForceRel => self.rms_force_rel,
-            Metric::Impulse => self.impulse_ns,
-            Metric::ImpulseRel => self.impulse_rel,
-            Metric::Duration => self.duration_s,
-            Metric::Rebound => self.rebound_rel,
-            Metric::TransmissionError => self.transmission_error_l2,
-            Metric::TransmissionErrorSpan => self.transmission_error_pp_m,
-            Metric::TransmissionErrorSpanRel => self.transmission_error_pp_rel,
-            Metric::TransmissionErrorOrders => self.transmission_error_orders_rel,
-            Metric::TransmissionErrorAligned => self.transmission_error_l2_aligned,
-            Metric::Angle => self.angle_l2,
-            Metric::Speed => self.speed_l2,
-            Metric::Torque => self.torque_l2,
-            Metric::TorquePeakRel => self.torque_peak_rel,
-            Metric::EnergyDrift => self.energy_drift_rel,
-        }
-    }
 }
 
 /// Ledger of energy and impulse, with `energy_end = energy_start + external_work - dissipated + jumps + residual`.
@@ -475,7 +356,7 @@ pub struct Ledger {
 }
 
 /// A list of pairs as a JSON object that keeps its order.
-mod ordered_map {
+pub(crate) mod ordered_map {
     use serde::de::{Deserialize, MapAccess, Visitor};
     use serde::{Deserializer, Serialize, Serializer};
     use std::marker::PhantomData;

@@ -472,7 +472,7 @@ fn columns_without_gears_are_named() {
         assert_eq!(speeds, ["sun", "p1", "p2", "ring"]);
         let force: Vec<f64> =
             serde_json::from_value(old["series"]["contact_force_n"].clone()).unwrap();
-        assert_eq!(series.contact_force(), force);
+        assert_eq!(series.of(CONTACT_FORCE, "sun_p1"), Some(&force[..]));
         for name in [
             "transmission_error_sun_p1_m",
             "mesh_cycle_sun_p1",

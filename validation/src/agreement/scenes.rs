@@ -175,8 +175,8 @@ fn models(r: &mut Random, kind: Kind) -> Vec<ModelTable> {
     };
     let contact = |ratio| ContactTable {
         damping: match kind.is_loaded() {
-            true => DampingTable::RatioAtLoad(RatioTable { ratio }),
-            false => DampingTable::None,
+            true => Damping::RatioAtLoad { ratio },
+            false => Damping::None,
         },
         ..ContactTable::default()
     };

@@ -179,15 +179,15 @@ fn elements<'k>(
 fn models(p: &Parameters) -> Vec<ModelTable> {
     let t = &p.toothing;
     let damping = match p.rigid_ratio > 0.0 {
-        true => DampingTable::KelvinVoigtRatio(RatioTable {
+        true => Damping::KelvinVoigtRatio {
             ratio: p.rigid_ratio,
-        }),
-        false => DampingTable::None,
+        },
+        false => Damping::None,
     };
     let pairs = |stiffness: StiffnessTable| {
         OneOrMany::One(ContactTable {
             stiffness: Some(stiffness),
-            damping: damping.clone(),
+            damping,
             ..ContactTable::default()
         })
     };

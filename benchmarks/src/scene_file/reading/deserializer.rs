@@ -366,6 +366,9 @@ impl<'d> VariantAccess<'d> for Choice<'d> {
         fields: &'static [&'static str],
         visitor: V,
     ) -> Result<V::Value, Flaw> {
-        self.content.deserialize_struct("", fields, visitor)
+        (self.content).placed(
+            self.content
+                .deserialize_struct(self.variant, fields, visitor),
+        )
     }
 }

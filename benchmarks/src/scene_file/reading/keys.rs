@@ -6,7 +6,10 @@ use super::super::{
     mesh, model, modifications, out_of_plane, profile, references, shaft, stage, stiffness,
     study_plan,
 };
+use super::Document;
 use crate::studies::{check, precision, stability, sweep};
+use gearbench_models::law::{Damping, DampingKeys};
+use std::sync::LazyLock;
 
 /// The keys of a table with their meanings, units and examples.
 #[derive(Clone, Copy, Debug)]
@@ -29,6 +32,18 @@ impl Table {
         found.map_or("", |(_, meaning)| meaning.trim_start())
     }
 }
+
+/// The keys of each damping law, which the law declares itself; the identifier is the name of the table.
+static DAMPING_LAWS: LazyLock<Vec<Table>> = LazyLock::new(|| {
+    let of_law = |law: &DampingKeys| Table {
+        name: law.id,
+        keys: law.keys,
+        types: &[("f64", "")],
+        check: |name, text| Document::read::<Damping>(name, text, |_| Vec::new()).map(|_| ()),
+    };
+    let with_keys = Damping::LAWS.iter().filter(|law| !law.keys.is_empty());
+    with_keys.map(of_law).collect()
+});
 
 /// Iterates over all tables of the format.
 pub(crate) fn tables() -> impl Iterator<Item = &'static Table> {
@@ -64,9 +79,6 @@ pub(crate) fn tables() -> impl Iterator<Item = &'static Table> {
         &damping::SharedDampingTable::TABLE,
         &contact::ContactTable::TABLE,
         &contact_points::PointTable::TABLE,
-        &contact::DamperTable::TABLE,
-        &contact::RatioTable::TABLE,
-        &contact::RestitutionTable::TABLE,
         &contact::FrictionTable::TABLE,
         &contact::FilmTable::TABLE,
         &stiffness::ConstantTable::TABLE,
@@ -89,6 +101,7 @@ pub(crate) fn tables() -> impl Iterator<Item = &'static Table> {
     ]
     .into_iter()
     .chain(profile::TABLES)
+    .chain(DAMPING_LAWS.iter())
     .chain([&profile::TurningGuide::TABLE, &profile::SlidingGuide::TABLE])
 }
 

@@ -9,8 +9,8 @@
 //! `None` is left out of tables, and tables keep the order of their fields.
 
 use serde::ser::{
-    Error as _, Impossible, Serialize, SerializeMap, SerializeSeq, SerializeStruct, SerializeTuple,
-    SerializeTupleStruct, Serializer,
+    Error as _, Impossible, Serialize, SerializeMap, SerializeSeq, SerializeStruct,
+    SerializeStructVariant, SerializeTuple, SerializeTupleStruct, Serializer,
 };
 use std::fmt::{self, Display};
 use toml_edit::{Array, InlineTable, Value};
@@ -103,7 +103,7 @@ impl Serializer for Writer {
     type SerializeTupleVariant = Impossible<Option<Value>, WriteError>;
     type SerializeMap = Entries;
     type SerializeStruct = Entries;
-    type SerializeStructVariant = Impossible<Option<Value>, WriteError>;
+    type SerializeStructVariant = VariantEntries;
 
     fn serialize_bool(self, x: bool) -> Written {
         Ok(Some(x.into()))
@@ -214,14 +214,18 @@ impl Serializer for Writer {
         self,
         name: &'static str,
         _: u32,
-        _: &'static str,
+        variant: &'static str,
         _: usize,
-    ) -> Result<Self::SerializeStructVariant, WriteError> {
-        Err(unsupported(name))
+    ) -> Result<VariantEntries, WriteError> {
+        Ok(VariantEntries {
+            name,
+            variant,
+            entries: Entries::default(),
+        })
     }
 }
 
-/// The format has variants with one content each.
+/// The format has no tuples as variants.
 fn unsupported(name: &str) -> WriteError {
     WriteError::custom(format!("a variant of {name} has several contents"))
 }
@@ -278,6 +282,30 @@ impl Entries {
             self.table.insert(key, value);
         }
         Ok(())
+    }
+}
+
+/// The entries of a variant that is a table.
+struct VariantEntries {
+    name: &'static str,
+    variant: &'static str,
+    entries: Entries,
+}
+
+impl SerializeStructVariant for VariantEntries {
+    type Ok = Option<Value>;
+    type Error = WriteError;
+
+    fn serialize_field<T: Serialize + ?Sized>(
+        &mut self,
+        key: &'static str,
+        x: &T,
+    ) -> Result<(), WriteError> {
+        self.entries.insert(key, x)
+    }
+
+    fn end(self) -> Written {
+        variant_of(self.name, self.variant, self.entries.table.into())
     }
 }
 

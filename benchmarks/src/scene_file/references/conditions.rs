@@ -45,9 +45,9 @@ pub struct ConditionsOfGear {
 pub struct ReferenceConditions {
     /// Simulated time [s].
     pub duration: Option<f64>,
-    /// Gap at the start of the first mesh [m].
+    /// Gap of all meshes at the start [m].
     pub gap: Option<f64>,
-    /// Path coordinate at the start of the first mesh [m].
+    /// Path coordinate at the start of the only mesh [m].
     pub path_coordinate: Option<f64>,
     /// Centre distance of the only mesh [m].
     pub centre_distance: Option<f64>,
@@ -184,32 +184,38 @@ impl ReferenceConditions {
             spec.gears[b].position = [0, 1, 2].map(|k| from[k] + to[k]);
             mesh_layout(&spec.gears[a], &spec.gears[b]).map_err(|e| refuse(&e))?;
         }
-        let Some(mesh) = spec.meshes.first_mut() else {
-            return Ok(());
-        };
-        let [a, b] = mesh.gears;
-        let layout = mesh_layout(&spec.gears[a], &spec.gears[b]);
-        if let Some(gap) = self.gap {
-            mesh.start.gap = gap;
-            if layout
-                .as_ref()
-                .is_ok_and(|l| gap > l.pair.backlash_normal() * (1.0 + 1e-9))
-            {
-                return Err((
-                    "gap_m".into(),
-                    format!("the gap {gap:e} m is larger than the normal backlash"),
-                    "use a smaller gap".into(),
-                ));
-            }
+        if self.path_coordinate.is_some() && spec.meshes.len() > 1 {
+            return Err((
+                "path_coordinate_m".into(),
+                "the scene has several meshes, but the path coordinate belongs to one mesh".into(),
+                "write one scene for each start".into(),
+            ));
         }
-        if let Some(x) = self.path_coordinate {
-            mesh.start.path_coordinate = Some(x);
-            if layout.is_ok_and(|l| !(l.path[0]..=l.path[1]).contains(&x)) {
-                return Err((
-                    "path_coordinate_m".into(),
-                    format!("the path coordinate {x:e} m lies outside the path of contact"),
-                    "remove it to start at the position of the scene".into(),
-                ));
+        for mesh in &mut spec.meshes {
+            let [a, b] = mesh.gears;
+            let layout = mesh_layout(&spec.gears[a], &spec.gears[b]);
+            if let Some(gap) = self.gap {
+                mesh.start.gap = gap;
+                if layout
+                    .as_ref()
+                    .is_ok_and(|l| gap > l.pair.backlash_normal() * (1.0 + 1e-9))
+                {
+                    return Err((
+                        "gap_m".into(),
+                        format!("the gap {gap:e} m is larger than the normal backlash"),
+                        "use a smaller gap".into(),
+                    ));
+                }
+            }
+            if let Some(x) = self.path_coordinate {
+                mesh.start.path_coordinate = Some(x);
+                if layout.is_ok_and(|l| !(l.path[0]..=l.path[1]).contains(&x)) {
+                    return Err((
+                        "path_coordinate_m".into(),
+                        format!("the path coordinate {x:e} m lies outside the path of contact"),
+                        "remove it to start at the position of the scene".into(),
+                    ));
+                }
             }
         }
         Ok(())

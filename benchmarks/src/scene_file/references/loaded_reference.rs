@@ -141,9 +141,8 @@ impl SceneFile {
         let Some(tolerance) = self.tolerance.as_ref().filter(|t| t.against == data.id) else {
             return Ok(());
         };
-        let has = |quantity| data.channel(quantity).is_some();
-        let force = has(Quantity::Force(0));
         let of_any = |kind: fn(&Quantity) -> bool| data.channels.iter().any(|c| kind(&c.quantity));
+        let force = of_any(|q| matches!(q, Quantity::Force(_)));
         let speeds = of_any(|q| matches!(q, Quantity::Speed(_)));
         let error = of_any(|q| matches!(q, Quantity::TransmissionError(_)));
         let angles = of_any(|q| matches!(q, Quantity::Angle(_)));

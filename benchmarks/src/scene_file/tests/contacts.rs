@@ -3,7 +3,7 @@
 use super::super::{Origin, SceneFile};
 use super::{changed, render};
 use crate::context::Context;
-use gearbench_models::law::{Damping, FrictionForm};
+use gearbench_models::law::{Damping, DampingKeys, FrictionForm};
 use gearbench_models::spec::{
     ContactSpec, FlankContact, Passes, PointContact, PointRule, SurfaceKind,
 };
@@ -85,15 +85,13 @@ fn stiffness() {
 #[test]
 fn laws() {
     let of = |text: &str| contact(0, "damping = { law = \"flores\", e = 0.9 }", text);
-    for id in Damping::IDS {
-        let value = match id {
-            "none" => "",
-            "kelvin-voigt" | "kelvin-voigt-bounded" => ", damping_ns_per_m = 100",
-            id if id.contains("ratio") => ", ratio = 0.05",
-            _ => ", e = 0.8",
-        };
+    for DampingKeys { id, keys } in Damping::LAWS {
+        let value: String = keys
+            .iter()
+            .map(|(key, _)| format!(", {key} = 0.5"))
+            .collect();
         let damping = of(&format!("damping = {{ law = \"{id}\"{value} }}")).damping;
-        assert_eq!(damping.id(), id);
+        assert_eq!(damping.id(), *id);
     }
     let contact = of("friction = { mu = 0.05, v_ref_m_s = 0.01 }, slices = 4, exponent = 1.5");
     assert_eq!(contact.friction.unwrap().mu(), 0.05);

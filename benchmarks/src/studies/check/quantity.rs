@@ -3,7 +3,7 @@
 use gearbench_reports::Metric;
 use gearbench_reports::metrics::{compare, compare_all};
 use gearbench_reports::record::{ReferenceSeries, Run, SELF, speed_end};
-use gearbench_reports::series::TRANSMISSION_ERROR;
+use gearbench_reports::series::{self, CONTACT_FORCE, TRANSMISSION_ERROR, TimeSeries};
 use std::collections::BTreeMap;
 use std::fmt;
 use std::str::FromStr;
@@ -15,9 +15,9 @@ pub(crate) enum Quantity {
     Metric(Metric),
     /// Last speeds of all gears [rad/s].
     SpeedsEnd,
-    /// Root mean square of the contact force of the first mesh over the samples of the history [N].
+    /// Root mean square of the contact force over the samples of the history, of the mesh where it is largest [N].
     ForceRms,
-    /// Root mean square of the transmission error of the first mesh, likewise [m].
+    /// Root mean square of the transmission error, likewise [m].
     TransmissionErrorRms,
 }
 
@@ -139,19 +139,24 @@ pub(super) fn values(
                 found.extend(speeds.map(|(gear, x)| (speed_end(gear), *x)));
             }
             Quantity::ForceRms => {
-                let rms = root_mean_square(series.contact_force());
+                let rms = largest_rms(series, CONTACT_FORCE);
                 found.extend(rms.map(|x| (key.to_owned(), x)));
             }
             Quantity::TransmissionErrorRms => {
-                let mesh = series.first_mesh();
-                let error = mesh.and_then(|(mesh, _)| series.of(TRANSMISSION_ERROR, mesh));
-                let rms = error.and_then(root_mean_square);
+                let rms = largest_rms(series, TRANSMISSION_ERROR);
                 found.extend(rms.map(|x| (key.to_owned(), x)));
             }
         }
     }
     found.retain(|_, x| x.is_finite());
     found
+}
+
+/// Returns the root mean square of a quantity of the mesh for which it is largest.
+fn largest_rms(series: &TimeSeries, quantity: series::Quantity) -> Option<f64> {
+    let all = series.all_of(quantity);
+    all.filter_map(|(_, values)| root_mean_square(values))
+        .reduce(f64::max)
 }
 
 fn root_mean_square(values: &[f64]) -> Option<f64> {

@@ -1,7 +1,7 @@
 //! `gearbench identify SCENE`: constants fitted to the scene's references, reported and, on request, written.
 
 use super::arguments::{Identify, WriteTarget};
-use super::parameters::{FitOptions, has_key, path_of};
+use super::parameters::{FitOptions, has_key, largest_gap, path_of};
 use super::scene_update::{FittedConstants, write_scene};
 use super::summary::summarise;
 use super::write::{errors_and_intervals, write};
@@ -25,7 +25,7 @@ use crate::scene_file::references::{LoadedReference, subjects};
 use crate::scene_file::{self, ModelChoice, SceneFile, Selection, did_you_mean};
 use gearbench_integrators::Scheme;
 use gearbench_models::spec::{SceneSpec, mesh_layout};
-use gearbench_reference::data::{Channel, Quantity};
+use gearbench_reference::data::{Channel, Quantity, Reference};
 use gearbench_reports::Study;
 use gearbench_reports::identify::IdentifyRecord;
 use gearbench_reports::record::{Part, Run};
@@ -254,6 +254,7 @@ fn held_by_model(
     let has = |choice: &ModelChoice, key: &str| {
         has_key(
             key,
+            &choice.model,
             (
                 &scene.spec_for(choice),
                 &choice.modelling,
@@ -294,14 +295,20 @@ fn name_of(held: &LoadedReference) -> &str {
     held.named.stored().unwrap_or(&held.named.name)
 }
 
-/// Returns the histories of a reference that are fitted: its contact force, else all others that runs have.
-fn channels_of(reference: &LoadedReference) -> Vec<&Channel> {
-    match reference.data.channel(Quantity::Force(0)) {
-        Some(force) => vec![force],
-        None => {
-            let all = reference.data.channels.iter();
-            all.filter(|c| channel_of(c.quantity).is_some()).collect()
-        }
+/// Part of the largest contact force of a reference from which on the force of a mesh is fitted.
+const LOADED: f64 = 1e-3;
+
+/// Returns the histories of a reference that are fitted: the contact forces of all loaded meshes, else all others that runs
+/// have.
+fn channels_of(reference: &Reference) -> Vec<&Channel> {
+    let all = || reference.channels.iter();
+    let peak = |c: &Channel| c.value.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+    let forces = || all().filter(|c| matches!(c.quantity, Quantity::Force(_)));
+    let most = forces().map(peak).fold(0.0, f64::max);
+    let loaded: Vec<&Channel> = forces().filter(|c| peak(c) >= LOADED * most).collect();
+    match loaded.is_empty() {
+        false => loaded,
+        true => all().filter(|c| channel_of(c.quantity).is_some()).collect(),
     }
 }
 
@@ -314,7 +321,7 @@ fn plan(
     method: Scheme,
 ) -> FitPlan {
     let spec: SceneSpec = scene.spec_for(choice);
-    let gap = |scene: &SceneFile| scene.spec.meshes.first().map_or(0.0, |m| m.start.gap);
+    let gap = |scene: &SceneFile| largest_gap(&scene.spec).unwrap_or(0.0);
     let of_channel = |reference: &LoadedReference, channel: &Channel, several: bool| {
         let own = &reference.scene;
         // Beyond the duration of the scene the reference may lack effects that the scene has, such as contact of the
@@ -341,7 +348,7 @@ fn plan(
         }
     };
     let of_reference = |reference: &&LoadedReference| -> Vec<DataSet> {
-        let channels = channels_of(reference);
+        let channels = channels_of(&reference.data);
         let several = channels.len() > 1;
         let channels = channels.into_iter();
         channels
@@ -392,7 +399,7 @@ fn histories_of(scene: &mut SceneFile, args: &Identify) -> Result<Vec<LoadedRefe
     let known = scene.odd.len();
     let mut references = scene.load_references(args.insist.any_reference)?;
     (scene.odd[known..].iter()).for_each(|odd| scene.context.messages.warn(&odd.to_text()));
-    references.retain(|held| !channels_of(held).is_empty());
+    references.retain(|held| !channels_of(&held.data).is_empty());
     let fitted = || references.iter().filter(|held| !held.is_held_out());
     let names: Vec<&str> = fitted().map(name_of).collect();
     if let Some((other, _)) = (args.weight.iter()).find(|(of, _)| !names.contains(&of.as_str())) {
@@ -449,4 +456,36 @@ fn statics_of(scene: &SceneFile, args: &Identify) -> Result<(String, StaticTarge
     );
     let fail = |e| refuse_study(scene, StudyError::Statics(choice.label.clone(), e));
     Ok((choice.label.clone(), target.map_err(fail)?))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A reference is fitted by the forces of all of its loaded meshes, without forces by its motions.
+    #[test]
+    fn forces_of_all_loaded_meshes_are_fitted() {
+        let channel = |(quantity, peak): (Quantity, f64)| Channel {
+            quantity,
+            time: vec![0.0, 1e-3],
+            value: vec![0.0, peak],
+        };
+        let fitted = |channels: &[(Quantity, f64)]| -> Vec<Quantity> {
+            let reference = Reference {
+                channels: channels.iter().copied().map(channel).collect(),
+                ..Reference::default()
+            };
+            channels_of(&reference).iter().map(|c| c.quantity).collect()
+        };
+        let (force, speed) = (Quantity::Force, Quantity::Speed(1));
+        let all = [
+            (speed, 9.0),
+            (force(0), 0.5),
+            (force(1), 1000.0),
+            (force(2), 800.0),
+        ];
+        assert_eq!(fitted(&all), [force(1), force(2)]);
+        assert_eq!(fitted(&all[..1]), [speed]);
+        assert_eq!(fitted(&[(force(1), 0.0)]), [force(1)]);
+    }
 }

@@ -14,13 +14,13 @@
 
 use super::estimate::coordinates::{Coordinate, Scale};
 use super::fit_parameters::FitParameters;
-use super::plan::{Data, DataSet, IdentifyError};
+use super::plan::{Data, DataSet, FitPlan, IdentifyError};
 use crate::scene_file::SceneFile;
 use crate::scene_file::calibration::{CURVATURE, DAMPING, GAP, SLOPE, STIFFNESS, of_gear};
 use crate::scene_file::changes::{KeyPath, numbers_at};
 use gearbench_models::gear::properties::{Fit, Start};
 use gearbench_models::gear::table::{Model, properties_of};
-use gearbench_models::spec::{FlankContact, Modelling, SceneSpec};
+use gearbench_models::spec::{ContactSpec, FlankContact, Modelling, SceneSpec};
 use gearbench_models::stiffness::PairStiffness;
 
 /// Key of the clock offset of a recorder.
@@ -179,10 +179,15 @@ fn keys(model: &Model) -> Vec<&'static str> {
     all
 }
 
+/// Returns the largest gap of the meshes at the start \[m\].
+pub(super) fn largest_gap(spec: &SceneSpec) -> Option<f64> {
+    spec.meshes.iter().map(|m| m.start.gap).reduce(f64::max)
+}
+
 fn coordinate(key: &str, spec: &SceneSpec, duration: f64) -> Coordinate {
     let (scale, bounds) = match key {
         GAP => {
-            let gap = spec.meshes.first().map_or(0.0, |m| m.start.gap);
+            let gap = largest_gap(spec).unwrap_or(0.0);
             (Scale::Linear(gap.max(LEAST_GAP)), [0.0, f64::INFINITY])
         }
         CLOCK => (Scale::Linear(OFFSET * duration), [-duration, duration]),
@@ -249,11 +254,10 @@ const NOTHING: Fit = Fit {
 /// [`IdentifyError`] for a model without a recipe, a key that it has not, or a value that cannot be.
 pub fn choose(
     (spec, modelling, models): (&SceneSpec, &Modelling, &[Model]),
-    scene: &SceneFile,
-    data: &[DataSet],
-    wishes: &FitOptions,
+    plan: &FitPlan,
 ) -> Result<FitParameters, IdentifyError> {
-    let id = modelling.gears.first().map_or("", |g| g.id());
+    let (scene, data, wishes) = (&plan.scene, &plan.data, &plan.wishes);
+    let id = plan.model();
     let of_scene_alone = (wishes.fit.as_ref()).is_some_and(|keys| {
         let is_clock = |k: &String| k == CLOCK || k == CLOCK_SCALE;
         keys.iter().all(|k| is_clock(k) || path_of(k).is_some())
@@ -396,10 +400,9 @@ pub fn choose(
     Ok(chosen)
 }
 
-/// Returns true if the gears or contacts of a model have a parameter with this key.
-pub fn has_key(key: &str, of: (&SceneSpec, &Modelling, &[Model])) -> bool {
-    let id = of.1.gears.first().map(|g| g.id());
-    let model = of.2.iter().find(|m| Some(m.id) == id);
+/// Returns true if the gears with the model `id`, or contacts, have a parameter with this key.
+pub fn has_key(key: &str, id: &str, of: (&SceneSpec, &Modelling, &[Model])) -> bool {
+    let model = of.2.iter().find(|m| m.id == id);
     model.is_some_and(|model| check(key, model, of).is_ok())
 }
 
@@ -454,15 +457,16 @@ fn has_path(spec: &SceneSpec, modelling: &Modelling, models: &[Model]) -> bool {
 /// Returns the present value of a constant in the scene.
 fn present(key: &str, spec: &SceneSpec, modelling: &Modelling, id: &str) -> Option<f64> {
     match key {
-        GAP => Some(spec.meshes.first()?.start.gap.max(LEAST_GAP)),
+        GAP => Some(largest_gap(spec)?.max(LEAST_GAP)),
         STIFFNESS | SLOPE | CURVATURE => {
-            let (k, along) = match modelling.contacts.first()?.stiffness {
-                PairStiffness::Constant { per_width, .. } => (per_width, [0.0; 2]),
+            let of = |c: &ContactSpec| match c.stiffness {
+                PairStiffness::Constant { per_width, .. } => Some((per_width, [0.0; 2])),
                 PairStiffness::Parabola {
                     per_width, along, ..
-                } => (per_width, along),
-                _ => return None,
+                } => Some((per_width, along)),
+                _ => None,
             };
+            let (k, along) = modelling.contacts.iter().find_map(of)?;
             Some(match key {
                 SLOPE => along[0],
                 CURVATURE => along[1],

@@ -201,6 +201,17 @@ impl FitPlan {
         }
     }
 
+    /// Returns the gear model whose parameters are fitted: that of the label, else that of the gears.
+    pub fn model(&self) -> &str {
+        let of_label = self
+            .scene
+            .model(&self.label)
+            .map(|choice| choice.model.as_str());
+        let mut gears = self.modelling.gears.iter();
+        let is_used = |id: &&str| self.modelling.gears.iter().any(|g| g.id() == *id);
+        (of_label.filter(is_used)).unwrap_or_else(|| gears.next().map_or("", |g| g.id()))
+    }
+
     /// Returns the plan without data, and a data set, with values of keys of the scene.
     ///
     /// # Errors

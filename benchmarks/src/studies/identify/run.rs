@@ -40,8 +40,7 @@ pub fn modelled(
     clock: Clock,
 ) -> Result<Vec<f64>, IdentifyError> {
     let (mut spec, mut modelling) = (set.spec.clone(), plan.modelling.clone());
-    let model = plan.modelling.gears.first().map_or("", |g| g.id());
-    apply(constants, model, &mut spec, &mut modelling)?;
+    apply(constants, plan.model(), &mut spec, &mut modelling)?;
     if constants.gap.is_some() {
         (spec.meshes.iter_mut()).for_each(|m| m.start.gap += set.further_gap);
     }
@@ -104,7 +103,7 @@ pub fn identify(
         return Err(IdentifyError::Failed("there are no data".into()));
     };
     let scene = (&first.spec, &plan.modelling, &*plan.scene.context.models);
-    let chosen = choose(scene, &plan.scene, &plan.data, &plan.wishes)?;
+    let chosen = choose(scene, plan)?;
     let factors: Vec<Vec<f64>> = plan.data.iter().map(DataSet::factors).collect();
     let mut count = 0;
     let mut why = String::new();

@@ -17,7 +17,7 @@ use crate::cli::files::write_whole;
 use crate::cli::terminal::Refusal;
 use crate::scene_file::calibration::{Constants, of_gear};
 use crate::scene_file::changes::{KeyPath, inner, set};
-use crate::scene_file::format::{DampingTable, StiffnessTable, number, to_value};
+use crate::scene_file::format::{StiffnessTable, number, to_value};
 use crate::scene_file::{ModelChoice, Origin, SceneFile};
 use gearbench_models::law::Damping;
 use gearbench_models::stiffness::PairStiffness;
@@ -184,7 +184,7 @@ fn change(model: &mut dyn TableLike, scene: &SceneFile, w: &FittedConstants<'_>)
             set(table, "stiffness", stiffness_of(&spec.stiffness)?);
         }
         if let (Some(_), law @ Damping::KelvinVoigt { .. }) = (w.constants.damping, spec.damping) {
-            set(table, "damping", to_value(&DampingTable::from(law)).ok()??);
+            set(table, "damping", to_value(&law).ok()??);
         }
         Some(())
     };

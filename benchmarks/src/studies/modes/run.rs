@@ -6,7 +6,7 @@ use crate::experiment::error::StudyError;
 use crate::experiment::key::Key;
 use crate::experiment::motion::motion_of_modes;
 use crate::experiment::runner::Runner;
-use crate::small_signals::mesh_mode::{FEW, mesh_mode_of, resonance, with_resonance};
+use crate::small_signals::mesh_mode::{FEW, mesh_mode_of, resonances, with_resonance};
 use crate::small_signals::motions::{Energies, Motion, SLACK, energies, scaled};
 use crate::small_signals::{
     LoadedState, LoadedStateError, MOST, Patience, has_loads, loaded, settled,
@@ -88,7 +88,7 @@ fn analysed(
             record.message = why.to_string();
         }
     }
-    let mesh_mode = mesh_mode.map(|mode| with_resonance(mode, resonance(&mut scene, &spec, FEW)));
+    let mesh_mode = mesh_mode.map(|mode| with_resonance(mode, &resonances(&mut scene, &spec, FEW)));
     Ok((record, mesh_mode))
 }
 

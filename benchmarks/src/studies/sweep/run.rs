@@ -11,7 +11,7 @@ use crate::experiment::linear_models::mesh_modes;
 use crate::experiment::run::{Job, RunError, run_from};
 use crate::experiment::runner::Runner;
 use crate::small_signals;
-use crate::small_signals::mesh_mode::{FEW, resonance};
+use crate::small_signals::mesh_mode::{FEW, resonances};
 use gearbench_integrators::Scheme;
 use gearbench_models::gear::table::properties_of;
 use gearbench_models::scene::Scene;
@@ -67,7 +67,7 @@ impl Pair {
                 let (x, y, inertia) = match (own("x"), own("y")) {
                     (Some(x), Some(y)) => (x, y, *vibrates),
                     _ => {
-                        let (mesh, _) = series.first_mesh()?;
+                        let (mesh, _) = series.most_loaded_mesh()?;
                         let of_mesh = |d: &str| column(format!("force_{d}_{mesh}_n"));
                         (of_mesh("x")?, of_mesh("y")?, false)
                     }
@@ -109,7 +109,7 @@ fn static_cycle(plan: &Plan, entry: &Configuration) -> Result<StaticCycle, Study
     let tangent = cycle.mesh_tangent() * cycle.face_width;
     let spec = small_signals::settled(&entry.scene);
     let resonance = (Scene::build(&spec, &entry.modelling, &plan.conditions.context.models).ok())
-        .and_then(|mut scene| resonance(&mut scene, &spec, FEW));
+        .and_then(|mut scene| resonances(&mut scene, &spec, FEW).into_iter().next());
     Ok(StaticCycle {
         label: entry.model_label(),
         force_n: force,

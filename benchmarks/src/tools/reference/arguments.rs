@@ -54,7 +54,7 @@ pub struct Reference {
     /// Constant torque on a gear in N m (rack: force in N), in place of its loads
     #[arg(long, value_name = "GEAR=LOAD", value_parser = of_gear, allow_hyphen_values = true)]
     pub load: Vec<(String, f64)>,
-    /// Initial gap of the first mesh in metres
+    /// Initial gap of all meshes in metres
     #[arg(long, value_name = "M", value_parser = length, allow_hyphen_values = true)]
     pub gap: Option<f64>,
     /// Centre distance of the only mesh in metres

@@ -81,6 +81,9 @@ pub fn glance(views: &[View<'_>]) -> Markup {
             g.runs.iter().find_map(|(_, r)| r.calibration.clone())
         })
         .numbers("Peak force", "N", 4, result(Metric::PeakForce))
+        .text("Its mesh", |row| {
+            row.results.mesh(Metric::PeakForce).map(str::to_owned)
+        })
         .numbers("Rms force", "N", 4, result(Metric::RmsForce))
         .numbers("Impulse", "N s", 4, result(Metric::Impulse))
         .numbers(
@@ -97,6 +100,10 @@ pub fn glance(views: &[View<'_>]) -> Markup {
             }
         })
         .result()
+        .text("Mesh of the error", |row| {
+            row.of.filter(|_| row.is_of_models())?;
+            row.results.mesh(row.view.metric).map(str::to_owned)
+        })
         .text("Error is", |row| {
             let (_, run) = row.of.filter(|_| row.is_of_models())?;
             if row.view.is_yardstick(run) {

@@ -11,6 +11,7 @@ use crate::drawing::canvas::{DrawError, Ink, Stroke};
 use crate::drawing::legend::Entry;
 use crate::drawing::panel::{Curve, Panel, chart, chart_of_width, extremes};
 use crate::drawing::style::{model_stroke, reference_stroke};
+use crate::metrics::Metric;
 use crate::numbers::{Prefix, per_cent, quantity};
 use crate::record::{ReferenceSeries, Run};
 use crate::series::{CONTACT_FORCE, Quantity, SPEED, TimeSeries, resample};
@@ -299,6 +300,27 @@ impl<'a> Histories<'a> {
         reference.filter(|r| member.of(&r.series).is_some())
     }
 
+    /// Returns the mesh of the largest time-aligned error of a run, else the first whose force a reference has.
+    fn mesh_of_errors<'m>(&self, meshes: &'m [MemberColumn]) -> Option<&'m MemberColumn> {
+        let known = |mesh: &&MemberColumn| {
+            (0..self.references.len()).any(|k| self.reference_with(mesh, k).is_some())
+        };
+        let errors = self.runs.iter().filter_map(|d| {
+            let reference = (*self.references.get(d.scene)?)?;
+            let metrics = d.run.against(&reference.id)?;
+            Some((
+                metrics.force_l2_aligned?,
+                metrics.mesh(Metric::ForceL2Aligned)?,
+            ))
+        });
+        let worst = errors.max_by(|a, b| a.0.total_cmp(&b.0));
+        let column = worst.map(|(_, mesh)| CONTACT_FORCE.of(mesh));
+        let of_error =
+            |mesh: &&MemberColumn| column.as_ref().is_some_and(|c| mesh.columns.contains(c));
+        let mut known = meshes.iter().filter(known);
+        known.clone().find(of_error).or_else(|| known.next())
+    }
+
     fn peak(&self) -> f64 {
         peak_of(&self.forces())
     }
@@ -488,13 +510,13 @@ pub fn force(views: &[View<'_>]) -> Result<Option<Chart>, DrawError> {
             );
         }
     }
-    let has_reference = (0..h.references.len()).any(|k| h.reference_with(first, k).is_some());
-    if has_reference {
+    let compared = h.mesh_of_errors(&meshes);
+    if let Some(compared) = compared {
         let time = h.zoom.as_ref().unwrap_or(&h.time);
-        panels.push(residual(&h, first, time, unit));
+        panels.push(residual(&h, compared, time, unit));
         let of = match several {
             false => String::new(),
-            true => format!(" of the first mesh, {}", first.name),
+            true => format!(" of the mesh with the largest error, {}", compared.name),
         };
         caption.push_str(&format!(
             " Below: model minus reference{of}, each run shifted in time to its best fit; what stays \
@@ -502,7 +524,7 @@ pub fn force(views: &[View<'_>]) -> Result<Option<Chart>, DrawError> {
         ));
         let shifts: Vec<String> = (h.runs.iter())
             .filter_map(|d| {
-                let reference = h.reference_with(first, d.scene)?;
+                let reference = h.reference_with(compared, d.scene)?;
                 let m = d.run.against(&reference.id)?;
                 let (e, shift) = (m.force_l2_aligned?, m.time_shift_s.unwrap_or(0.0));
                 Some(format!(
@@ -522,7 +544,7 @@ pub fn force(views: &[View<'_>]) -> Result<Option<Chart>, DrawError> {
         legend.extend(legend_of(&meshes));
     }
     // Models have a line of their own only where panels show several.
-    if !overlaid || has_reference {
+    if !overlaid || compared.is_some() {
         legend.extend(h.legend());
     }
     let title = "Contact force over time";

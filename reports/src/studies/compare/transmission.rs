@@ -8,7 +8,7 @@ use crate::drawing::panel::{Curve, Panel, chart};
 use crate::metrics::orders::CycleHistory;
 use crate::metrics::trapezoid_weights;
 use crate::numbers::Prefix;
-use crate::series::SPEED_RATIO_ERROR;
+use crate::series::{SPEED_RATIO_ERROR, TRANSMISSION_ERROR, TimeSeries};
 use crate::view::View;
 
 /// Largest number of cycles in the chart; it shows the last ones.
@@ -22,24 +22,16 @@ pub(super) fn error(views: &[View<'_>]) -> Result<Option<Chart>, DrawError> {
     let Some(h) = Histories::of(views) else {
         return Ok(None);
     };
-    // Mesh cycles of references without their own are those of a run of their scene. Scenes have their first meshes.
-    let first_mesh = |s: &History<'_>| s.series.first_mesh().map(|(mesh, _)| mesh.to_owned());
-    let clock = |scene: usize| {
-        let mut runs = h
-            .curves
-            .iter()
-            .filter(|c| c.style.is_some() && c.scene == scene);
-        runs.find_map(|c| {
-            let mesh = first_mesh(c)?;
-            CycleHistory::of_run(c.series, &mesh).map(|_| (c.series, mesh))
-        })
-    };
-    let over = |c: &History<'_>| match c.style {
-        Some(_) => CycleHistory::of_run(c.series, &first_mesh(c)?),
-        None => {
-            let (clock, mesh) = clock(c.scene)?;
-            c.all_series()
-                .find_map(|s| CycleHistory::of_reference(s, clock, &mesh))
+    // Mesh cycles of references without their own are those of a run of their scene.
+    let clocks: Vec<Option<Clock<'_>>> = (0..views.len()).map(|scene| clock(&h, scene)).collect();
+    let of_scene = |c: &History<'_>| clocks.get(c.scene)?.as_ref();
+    let over = |c: &History<'_>| {
+        let clock = of_scene(c)?;
+        match c.style {
+            Some(_) => CycleHistory::of_run(c.series, clock.mesh),
+            None => {
+                (c.all_series()).find_map(|s| CycleHistory::of_reference(s, clock.run, clock.mesh))
+            }
         }
     };
     let found: Vec<(&History<'_>, CycleHistory)> = h
@@ -76,7 +68,7 @@ pub(super) fn error(views: &[View<'_>]) -> Result<Option<Chart>, DrawError> {
         Curve::history(c.stroke, &x, &t, &y).along(c.style)
     });
     let unit = |what: &str| format!("{what} [{}m]", prefix.symbol);
-    let speeds = speed_ratio(&h, &x, [from, last]);
+    let speeds = speed_ratio(&h, &clocks, &x, [from, last]);
     let over_cycles = Panel {
         x_name: speeds.is_none().then(|| "mesh cycle".into()),
         ..Panel::new(200.0, &x, &unit("error less its mean"))
@@ -104,8 +96,9 @@ pub(super) fn error(views: &[View<'_>]) -> Result<Option<Chart>, DrawError> {
         false => ",",
     };
     let caption = format!(
-        "The last whole mesh cycles that all histories have, each less its mean{ratio} and the amplitudes at multiples of the mesh \
-         frequency over the last {}. What repeats with the turns of the gears alone lies between the orders.",
+        "The last whole mesh cycles that all histories have{}, each less its mean{ratio} and the amplitudes at multiples of the \
+         mesh frequency over the last {}. What repeats with the turns of the gears alone lies between the orders.",
+        of_meshes(&clocks),
         match (last - first).round() {
             1.0 => "cycle".to_owned(),
             n => format!("{n} cycles"),
@@ -126,11 +119,62 @@ pub(super) fn error(views: &[View<'_>]) -> Result<Option<Chart>, DrawError> {
     .map(Some)
 }
 
+/// Mesh that a scene shows: the one with the largest transmission error of a run, whose mesh cycles references share.
+struct Clock<'s> {
+    run: &'s TimeSeries,
+    /// Names of the gears, `_` between them.
+    mesh: &'s str,
+    /// True if the scene has further meshes.
+    is_one_of_several: bool,
+}
+
+/// Returns the mesh of a scene from its first run with a mesh that passes a whole cycle.
+fn clock<'s>(h: &Histories<'s>, scene: usize) -> Option<Clock<'s>> {
+    let mut runs = (h.curves.iter()).filter(|c| c.style.is_some() && c.scene == scene);
+    runs.find_map(|c| {
+        let span = |(mesh, _): (&'s str, _)| {
+            let own = CycleHistory::of_run(c.series, mesh)?;
+            let (least, most) = (own.values.iter())
+                .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| {
+                    (a.min(*x), b.max(*x))
+                });
+            Some((mesh, most - least))
+        };
+        let all: Vec<_> = (c.series.all_of(TRANSMISSION_ERROR))
+            .filter_map(span)
+            .collect();
+        let largest = (all.iter().copied()).reduce(|a, b| if b.1 > a.1 { b } else { a });
+        largest.map(|(mesh, _)| Clock {
+            run: c.series,
+            mesh,
+            is_one_of_several: all.len() > 1,
+        })
+    })
+}
+
+/// Returns the meshes that are shown, for scenes with several.
+fn of_meshes(clocks: &[Option<Clock<'_>>]) -> String {
+    let several = clocks.iter().flatten().filter(|c| c.is_one_of_several);
+    let names: Vec<&str> = several.map(|c| c.mesh).collect();
+    match names.is_empty() {
+        true => String::new(),
+        false => format!(
+            ", of the mesh with the largest transmission error ({})",
+            names.join(", ")
+        ),
+    }
+}
+
 /// Returns the panel of the error of the speed ratio between two mesh cycles; `None` where no run has it.
-fn speed_ratio(h: &Histories<'_>, x: &Axis, [from, last]: [f64; 2]) -> Option<Panel> {
+fn speed_ratio(
+    h: &Histories<'_>,
+    clocks: &[Option<Clock<'_>>],
+    x: &Axis,
+    [from, last]: [f64; 2],
+) -> Option<Panel> {
     let runs = h.curves.iter().filter(|c| c.style.is_some());
     let of = |c: &History<'_>| {
-        let (mesh, _) = c.series.first_mesh()?;
+        let mesh = clocks.get(c.scene)?.as_ref()?.mesh;
         let own = CycleHistory::of_quantity(c.series, SPEED_RATIO_ERROR, mesh)?;
         let (cycle, values) = own.between([from, last]);
         let cycle: Vec<f64> = cycle.iter().map(|c| c - from).collect();

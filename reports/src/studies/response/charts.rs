@@ -200,18 +200,34 @@ fn mounts(
     .map(Some)
 }
 
-/// Draws the first harmonics of the transmission error of the first mesh of a group, for one model.
+/// Draws the first harmonics of the transmission error of the mesh of a group whose fundamental is largest, for one model.
 fn harmonics(
     response: &ModelResponse,
     group: &GroupResponse,
     x: &Axis,
 ) -> Result<Chart, DrawError> {
-    let name = &group.meshes[0].name;
+    let fundamental = |m: usize| -> f64 {
+        let all = group
+            .points
+            .iter()
+            .filter_map(|p| p.meshes[m].error_harmonics_m.first());
+        all.copied().fold(0.0, f64::max)
+    };
+    let meshes = 0..group.meshes.len();
+    let largest = meshes.reduce(|a, b| {
+        if fundamental(b) > fundamental(a) {
+            b
+        } else {
+            a
+        }
+    });
+    let mesh = largest.unwrap_or_default();
+    let name = &group.meshes[mesh].name;
     let mut panel = Panel::new(240.0, x, "TE amplitude [\u{b5}m]");
-    let shown = group.meshes[0].error_harmonics_m.len().min(SHOWN);
+    let shown = group.meshes[mesh].error_harmonics_m.len().min(SHOWN);
     for k in 0..shown {
         let of = |p: &ResponsePoint| {
-            p.meshes[0]
+            p.meshes[mesh]
                 .error_harmonics_m
                 .get(k)
                 .map_or(f64::NAN, |a| UM * a)

@@ -29,11 +29,13 @@ pub fn finding(responses: &[ModelResponse]) -> Vec<Markup> {
     let of = |r: &ModelResponse| {
         let peaks: Vec<String> = (r.groups.iter())
             .filter_map(|g| {
-                let (name, p) = (&g.meshes.first()?.name, peak(g, 0)?);
-                let m = &p.meshes[0];
+                let peaks = (0..g.meshes.len()).filter_map(|m| Some((m, peak(g, m)?)));
+                let rms = |(m, p): &(usize, &ResponsePoint)| p.meshes[*m].error_rms_m;
+                let (m, p) = peaks.reduce(|a, b| if rms(&b) > rms(&a) { b } else { a })?;
                 Some(format!(
-                    "{name} {} rms at {}",
-                    quantity(m.error_rms_m, "m", 3),
+                    "{} {} rms at {}",
+                    g.meshes[m].name,
+                    quantity(p.meshes[m].error_rms_m, "m", 3),
                     quantity(p.mesh_frequency_hz, "Hz", 4)
                 ))
             })

@@ -138,10 +138,8 @@ impl Linearised {
 /// Observer that stores states in contact.
 struct ClosedStateRecorder {
     force: Vec<usize>,
-    /// Channel of the first gear's displacement, and its pitch.
-    displacement: usize,
-    pitch: f64,
-    start: Option<f64>,
+    /// Channel of the displacement of the first gear of each mesh, its pitch, and its displacement at the start.
+    passed: Vec<(usize, f64, Option<f64>)>,
     touched: bool,
     peak: (f64, Option<State>),
     kept: Vec<State>,
@@ -156,8 +154,11 @@ impl Sink for ClosedStateRecorder {
         let force: f64 = (self.force.iter())
             .map(|&c| self.out.channels[c].abs())
             .sum();
-        let displacement = self.out.channels[self.displacement];
-        let start = *self.start.get_or_insert(displacement);
+        let mut passes_a_pitch = false;
+        for (channel, pitch, start) in &mut self.passed {
+            let displacement = self.out.channels[*channel];
+            passes_a_pitch |= (displacement - *start.get_or_insert(displacement)).abs() > *pitch;
+        }
         if force == 0.0 {
             return if self.touched {
                 Control::Stop
@@ -182,7 +183,7 @@ impl Sink for ClosedStateRecorder {
             });
             self.stride *= 2;
         }
-        if (displacement - start).abs() > self.pitch {
+        if passes_a_pitch {
             Control::Stop
         } else {
             Control::Continue
@@ -207,11 +208,16 @@ fn contact(scene: &mut Scene, s: &State) -> (usize, f64) {
 
 /// The state of the first contact with the most pairs, and the largest force among those.
 fn closed_state(scene: &mut Scene, spec: &SceneSpec) -> Option<State> {
-    let first = &spec.gears[0];
-    let pitch = match &first.body {
-        Body::Gear(g) => std::f64::consts::TAU / f64::from(g.teeth()),
-        Body::Rack(r) => r.pitch(),
-    };
+    let passed = spec.meshes.iter().map(|mesh| {
+        let first = mesh.gears[0];
+        let pitch = match &spec.gears[first].body {
+            Body::Gear(g) => std::f64::consts::TAU / f64::from(g.teeth()),
+            Body::Rack(r) => r.pitch(),
+        };
+        let channel = scene.channel(Channel::Gear(first, OfGear::Displacement))?;
+        Some((channel, pitch, None))
+    });
+    let passed = passed.collect::<Option<Vec<_>>>()?;
     let fields = scene
         .gears()
         .iter()
@@ -228,9 +234,7 @@ fn closed_state(scene: &mut Scene, spec: &SceneSpec) -> Option<State> {
     };
     let mut watch = ClosedStateRecorder {
         force: scene.channels_of_meshes(OfMesh::Force),
-        displacement: scene.channel(Channel::Gear(0, OfGear::Displacement))?,
-        pitch,
-        start: None,
+        passed,
         touched: false,
         peak: (0.0, None),
         kept: Vec::new(),
