@@ -62,17 +62,20 @@ for part in $parts; do
   root=$folder/$part
   case $part in
   build)
+    # A build that was interrupted goes on: what it compiled is kept.
+    if [ -d "$root/gearbench/target" ]; then mv "$root/gearbench/target" "$folder/built"; fi
     debian build
     inside "$root" apt-get -qq update
-    inside "$root" apt-get -qq install --no-install-recommends -y gcc libc6-dev > "$folder/apt.log"
+    inside "$root" apt-get -qq install --no-install-recommends -y gcc libc6-dev > "$folder/apt.log" 2>&1
     mkdir -p "$root/gearbench"
-    git archive HEAD | tar -x -C "$root/gearbench"
+    if [ -d "$folder/built" ]; then mv "$folder/built" "$root/gearbench/target"; fi
+    git archive HEAD | tar -x -m -C "$root/gearbench"
     share "$(rustc --print sysroot)" "$root/usr/local/rust"
     share "${CARGO_HOME:-$HOME/.cargo}/registry" "$root/root/.cargo/registry"
     inside "$root" PATH=/usr/local/rust/bin:/usr/bin:/bin GEARBENCH_COMMIT="$(git rev-parse --short=12 HEAD)" \
       /gearbench/.ci/release.sh program
     # The tool that builds wheels is one of Python.
-    inside "$root" apt-get -qq install --no-install-recommends -y python3-venv >> "$folder/apt.log"
+    inside "$root" apt-get -qq install --no-install-recommends -y python3-venv >> "$folder/apt.log" 2>&1
     inside "$root" PATH=/usr/local/rust/bin:/usr/bin:/bin GEARBENCH_COMMIT="$(git rev-parse --short=12 HEAD)" \
       /gearbench/.ci/release.sh wheel
     mkdir -p "$releases"
@@ -95,7 +98,7 @@ for part in $parts; do
     wheel=$(ls "$releases"/gearbench-*.whl 2> /dev/null) || leave_out "no wheel in $releases (.ci/release.sh)"
     debian wheel
     inside "$root" apt-get -qq update
-    inside "$root" apt-get -qq install --no-install-recommends -y python3-venv > "$folder/apt.log"
+    inside "$root" apt-get -qq install --no-install-recommends -y python3-venv > "$folder/apt.log" 2>&1
     cp "$wheel" "$root/root/"
     inside "$root" sh -c 'python3 -m venv /opt/gearbench && /opt/gearbench/bin/pip install --quiet --disable-pip-version-check --only-binary :all: /root/gearbench-*.whl'
     cat > "$root/root/job.py" <<'PYTHON'
