@@ -50,6 +50,11 @@ debian() {
     debootstrap --variant=minbase --include=ca-certificates "$suite" "$folder/base" > "$folder/debootstrap.log" \
       || { rm -rf "$folder/base"; leave_out "debootstrap failed ($folder/debootstrap.log)"; }
   fi
+  # Deletion must not reach folders of this machine that a killed run left mounted.
+  if grep -q " $folder/$1/" /proc/mounts; then
+    echo "folders are still mounted in $folder/$1: umount them (grep $folder /proc/mounts)"
+    exit 1
+  fi
   rm -rf "${folder:?}/$1"
   cp -a "$folder/base" "$folder/$1"
   cp /etc/resolv.conf "$folder/$1/etc/"
