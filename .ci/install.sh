@@ -35,11 +35,12 @@ unmount() {
 }
 trap unmount EXIT
 
-# Mounts a folder of this machine in a Debian.
+# Mounts a folder of this machine in a Debian, where it cannot be changed or deleted.
 share() {
   mkdir -p "$2"
   mount --bind "$1" "$2"
   mounted+=("$2")
+  mount -o remount,ro,bind "$2"
 }
 
 # A fresh copy of the bare Debian, with name service and certificates of this machine.
@@ -76,7 +77,8 @@ for part in $parts; do
     if [ -d "$folder/built" ]; then mv "$folder/built" "$root/gearbench/target"; fi
     git archive HEAD | tar -x -m -C "$root/gearbench"
     share "$(rustc --print sysroot)" "$root/usr/local/rust"
-    share "${CARGO_HOME:-$HOME/.cargo}/registry" "$root/root/.cargo/registry"
+    mkdir -p "$root/root/.cargo"
+    cp -a "${CARGO_HOME:-$HOME/.cargo}/registry" "$root/root/.cargo/"
     inside "$root" PATH=/usr/local/rust/bin:/usr/bin:/bin GEARBENCH_COMMIT="$(git rev-parse --short=12 HEAD)" \
       /gearbench/.ci/release.sh program
     # The tool that builds wheels is one of Python.
