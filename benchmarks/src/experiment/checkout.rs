@@ -12,7 +12,10 @@ pub const COMMIT_VARIABLE: &str = "GEARBENCH_COMMIT";
 
 /// Commit of the checkout in the working folder, or `unknown`; `+` marks a tree with changes. [`COMMIT_VARIABLE`] replaces it.
 pub fn commit_of_checkout() -> String {
-    if let Some(named) = std::env::var(COMMIT_VARIABLE).ok().filter(|c| !c.is_empty()) {
+    if let Some(named) = std::env::var(COMMIT_VARIABLE)
+        .ok()
+        .filter(|c| !c.is_empty())
+    {
         return named;
     }
     let commit = git(&["rev-parse", "--short=12", "HEAD"]).unwrap_or_else(|| "unknown".into());

@@ -210,11 +210,21 @@ fn shafts(
                     let gear = &spec.gears[*i];
                     speed = initial_speed(&gear.mount, gear.speed);
                     load(to, id, &gear.name, place, &gear.loads);
-                    bearing(to, [id, unit, casing], (&gear.name, place), gear.lateral.as_deref());
+                    bearing(
+                        to,
+                        [id, unit, casing],
+                        (&gear.name, place),
+                        gear.lateral.as_deref(),
+                    );
                 }
                 StationMember::Body(body) => {
                     load(to, id, &body.name, place, &body.loads);
-                    bearing(to, [id, unit, casing], (&body.name, place), body.lateral.as_deref());
+                    bearing(
+                        to,
+                        [id, unit, casing],
+                        (&body.name, place),
+                        body.lateral.as_deref(),
+                    );
                     if body.inertia != 0.0 {
                         to.left.push(format!("{}: inertia", body.name));
                     }
@@ -266,7 +276,12 @@ fn shafts(
         of_gears.insert(i, (id, 0.0));
         load(to, id, &gear.name, 0.0, &gear.loads);
         if !planets.contains(&i) {
-            bearing(to, [id, unit, casing], (&gear.name, 0.0), gear.lateral.as_deref());
+            bearing(
+                to,
+                [id, unit, casing],
+                (&gear.name, 0.0),
+                gear.lateral.as_deref(),
+            );
         } else if gear.lateral.is_some() {
             to.left.push(format!("{}: elastic pin", gear.name));
         }
@@ -306,7 +321,8 @@ fn bearing(
         return;
     }
     if !supports(0) || !supports(1) {
-        to.left.push(format!("{name}: a bearing without radial stiffness"));
+        to.left
+            .push(format!("{name}: a bearing without radial stiffness"));
         return;
     }
     let carries_axial = supports(2);
@@ -322,7 +338,10 @@ fn bearing(
         to.left
             .push(format!("{name}: stiffness of its bearing about the axis"));
     }
-    let [damped, loose] = [of.bearing.damping != [[0.0; 6]; 6], of.bearing.clearance != 0.0];
+    let [damped, loose] = [
+        of.bearing.damping != [[0.0; 6]; 6],
+        of.bearing.clearance != 0.0,
+    ];
     for (is_there, what) in [(damped, "damping"), (loose, "clearance")] {
         if is_there {
             to.left.push(format!("{name}: {what} of its bearing"));
@@ -333,7 +352,11 @@ fn bearing(
     let id = to.add("concept_bearing", name);
     let own = to.of(id);
     own.set(&key::BEARING_PLACE, place);
-    let axial = if carries_axial { "both_directions" } else { "no_direction" };
+    let axial = if carries_axial {
+        "both_directions"
+    } else {
+        "no_direction"
+    };
     own.set_text(&key::AXIAL_ABSORPTION, axial);
     if is_diagonal && is_round {
         own.set(&key::RADIAL_STIFFNESS, matrix[0][0]);
@@ -342,7 +365,10 @@ fn bearing(
             own.set(&key::AXIAL_STIFFNESS, matrix[2][2]);
         }
     } else {
-        for (row, i) in key::OPERATING_STIFFNESS.iter().zip(key::STIFFNESS_DIRECTIONS) {
+        for (row, i) in key::OPERATING_STIFFNESS
+            .iter()
+            .zip(key::STIFFNESS_DIRECTIONS)
+        {
             for (attribute, k) in row.iter().zip(key::STIFFNESS_DIRECTIONS) {
                 own.set(attribute, matrix[i][k]);
             }
@@ -460,7 +486,9 @@ fn modifications(to: &mut Builder, gear: &GearSpec, body: &Gear, flanks: [u64; 2
         ),
     ] {
         if amount != 0.0 {
-            add(kind, &flanks, &|c| keys.iter().for_each(|key| c.set(key, amount)));
+            add(kind, &flanks, &|c| {
+                keys.iter().for_each(|key| c.set(key, amount))
+            });
         }
     }
     let [low, high] = &own.end_relief;
@@ -495,7 +523,9 @@ fn modifications(to: &mut Builder, gear: &GearSpec, body: &Gear, flanks: [u64; 2
             }
         }
         if let Some(grid) = &own.topography[i] {
-            add("topographical_modification", &[*flank], &|c| points(c, body, grid));
+            add("topographical_modification", &[*flank], &|c| {
+                points(c, body, grid)
+            });
         }
     }
 }

@@ -53,7 +53,11 @@ mod tests {
         assert_eq!(factor("", "none"), Some(1.0));
         assert_eq!(factor("mm", "deg"), None);
         assert_eq!(factor("furlong", "mm"), None);
-        for attribute in ALL.iter().copied().chain(OPERATING_STIFFNESS.iter().flatten()) {
+        for attribute in ALL
+            .iter()
+            .copied()
+            .chain(OPERATING_STIFFNESS.iter().flatten())
+        {
             let own = factor(attribute.unit, attribute.unit);
             assert!(own.is_some(), "{:?}", attribute.names);
         }

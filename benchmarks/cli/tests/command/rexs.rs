@@ -580,7 +580,7 @@ end_relief = { low = { amount_m = 5e-6, length_m = 2e-3 }, high = { amount_m = 6
 helix_slope_m = { left = 4e-6 }
 twist_m = { left = 1e-6, right = -2e-6 }
 topography = { unit_m = 1e-6, left = [[0, 1, 0], [0, 0, 0], [2, 3, 2], [1, 1, 4]], radii_m = [0.0275, 0.031], heights_m = [-0.008, 0.009] }
-bearing = { stiffness = [2e8, 2e8, 1e8, 0.0, 0.0, 0.0] }
+bearing = { stiffness = [2e8, 2e8, 0.0, 0.0, 0.0, 0.0] }
 directions = { z = "held", tilt_x = "held", tilt_y = "held" }
 [gears.wheel]
 teeth = 41
@@ -614,7 +614,9 @@ fn modifications_and_bearings_come_back() {
     for end in ["rexs", "rexsj"] {
         let said = folder.says(&format!("export changed.toml --rexs changed.{end}"));
         assert!(!said.contains("left:"), "{said}");
-        let said = folder.says(&format!("import changed.{end} --bearings --out again.toml --force"));
+        let said = folder.says(&format!(
+            "import changed.{end} --bearings --out again.toml --force"
+        ));
         assert!(!said.contains("left:"), "{said}");
         let again = load("again.toml");
         let mut worst = 0.0_f64;
@@ -626,19 +628,32 @@ fn modifications_and_bearings_come_back() {
             });
             let list = |m: &gearbench_models::geometry::Modifications| {
                 let relief = m.tip_relief.iter().flat_map(|r| [r.amount, r.start_radius]);
-                let ends = m.end_relief.iter().flatten().flat_map(|e| [e.amount, e.length]);
+                let ends = m
+                    .end_relief
+                    .iter()
+                    .flatten()
+                    .flat_map(|e| [e.amount, e.length]);
                 let grids = m.topography.iter().flatten();
                 let grids = grids.flat_map(|t| {
                     let corners = [t.radii().unwrap(), t.heights().unwrap()].concat();
-                    t.rows().flatten().copied().chain(corners).collect::<Vec<_>>()
+                    t.rows()
+                        .flatten()
+                        .copied()
+                        .chain(corners)
+                        .collect::<Vec<_>>()
                 });
                 let all = [m.profile_crowning, m.lead_crowning];
                 let all = all.into_iter().chain(m.helix_slope).chain(m.twist);
-                all.chain(relief).chain(ends).chain(grids).collect::<Vec<f64>>()
+                all.chain(relief)
+                    .chain(ends)
+                    .chain(grids)
+                    .collect::<Vec<f64>>()
             };
             let [x, y] = [&m, &n].map(list);
             assert_eq!(x.len(), y.len(), "{end}, {}: {x:?} {y:?}", a.name);
-            x.iter().zip(&y).for_each(|(x, y)| near(*x, *y, 1e-6_f64.max(x.abs())));
+            x.iter()
+                .zip(&y)
+                .for_each(|(x, y)| near(*x, *y, 1e-6_f64.max(x.abs())));
             let shapes = |m: &gearbench_models::geometry::Modifications| {
                 let ends = m.end_relief.map(|e| e.map(|e| e.shape));
                 (m.tip_relief.map(|r| r.shape), ends)
@@ -646,7 +661,13 @@ fn modifications_and_bearings_come_back() {
             assert_eq!(shapes(&m), shapes(&n));
             let [p, q] = [a, b].map(|g| g.lateral.clone().unwrap());
             assert_eq!(p.directions, q.directions, "{end}, {}", a.name);
-            for (x, y) in p.bearing.stiffness.iter().flatten().zip(q.bearing.stiffness.iter().flatten()) {
+            for (x, y) in p
+                .bearing
+                .stiffness
+                .iter()
+                .flatten()
+                .zip(q.bearing.stiffness.iter().flatten())
+            {
                 near(*x, *y, 1e8);
             }
         }
@@ -663,10 +684,17 @@ fn modifications_and_bearings_come_back() {
 #[test]
 fn exported_stiffness_is_that_of_the_study() {
     let folder = Folder::new();
-    for (scene, model, torque) in [("loaded_mesh", "rigid", 94.1), ("loaded_mesh", "movable-teeth", 94.1)] {
-        let said = folder.says(&format!("export {scene} --model {model} --rexs {model}.rexs"));
+    for (scene, model, torque) in [
+        ("loaded_mesh", "rigid", 94.1),
+        ("loaded_mesh", "movable-teeth", 94.1),
+    ] {
+        let said = folder.says(&format!(
+            "export {scene} --model {model} --rexs {model}.rexs"
+        ));
         has(&said, &[&format!("stiffness of {model}")]);
-        folder.says(&format!("stiffness {scene} --models {model} --torque {torque} --positions 24 --out {model}"));
+        folder.says(&format!(
+            "stiffness {scene} --models {model} --torque {torque} --positions 24 --out {model}"
+        ));
         let record: serde_json::Value =
             serde_json::from_str(&folder.read(&format!("{model}/results.json"))).unwrap();
         let study = record["stiffness"].as_array().unwrap();
@@ -686,11 +714,16 @@ fn exported_stiffness_is_that_of_the_study() {
         for (angle, stiffness) in angles.iter().zip(&curve) {
             let s = number(study, "pitch_point_m") + per_angle * angle;
             let at = |p: &&serde_json::Value| (number(p, "path_coordinate_m") - s).abs();
-            let own = positions.iter().min_by(|a, b| at(a).total_cmp(&at(b))).unwrap();
+            let own = positions
+                .iter()
+                .min_by(|a, b| at(a).total_cmp(&at(b)))
+                .unwrap();
             assert!(at(&own) < 1e-12, "{angle}: {}", at(&own));
             worst = worst.max((stiffness / number(own, "tangent_n_per_m") - 1.0).abs());
         }
-        println!("{scene}, {model}: stiffness of file and study, largest relative difference {worst:.1e}");
+        println!(
+            "{scene}, {model}: stiffness of file and study, largest relative difference {worst:.1e}"
+        );
         assert!(worst < 1e-12, "{worst:e}");
         let stage = file.of_kind("cylindrical_stage").next().unwrap();
         let iso = record["stiffness"].as_array().unwrap().iter();

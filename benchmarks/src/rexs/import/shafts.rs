@@ -233,7 +233,9 @@ fn plain(
                 let table = &mut of.gears[own].table;
                 table.bearing = Some(one.springs.clone());
                 table.directions.clone_from(&one.directions);
-                of.report.taken.push(format!("{}: 1 bearing", shaft.title()));
+                of.report
+                    .taken
+                    .push(format!("{}: 1 bearing", shaft.title()));
             }
             [] => {}
             _ => of.report.leave(format!(
@@ -431,7 +433,10 @@ fn stiffness(
             of.report
                 .assume("bearings without radial stiffness, or with more than 1e13 N/m, are rigid");
         }
-        for (i, k) in [radial, radial, axial, tilting, tilting].into_iter().enumerate() {
+        for (i, k) in [radial, radial, axial, tilting, tilting]
+            .into_iter()
+            .enumerate()
+        {
             matrix[i][i] = k;
         }
     }
@@ -442,8 +447,9 @@ fn stiffness(
         for k in 0..=i {
             if (matrix[i][k] - matrix[k][i]).abs() > 1e-9 * largest {
                 let title = bearing.title();
-                of.report
-                    .assume(format!("{title}: the symmetric part of its stiffness matrix"));
+                of.report.assume(format!(
+                    "{title}: the symmetric part of its stiffness matrix"
+                ));
             }
             // A direction that is held has no spring.
             let mean = match holds[i] || holds[k] {

@@ -39,7 +39,9 @@ impl TopographyGrid {
 
     /// The grid of a component, or the reason why its points are none.
     pub(super) fn of(own: &Component, measures: &FlankMeasures) -> Result<Self, String> {
-        let amounts = own.list(&key::TOPOGRAPHY).ok_or("it has no list of amounts")?;
+        let amounts = own
+            .list(&key::TOPOGRAPHY)
+            .ok_or("it has no list of amounts")?;
         let coordinates = own.list(&key::TOPOGRAPHY_COORDINATES);
         let coordinates = coordinates.ok_or("it has no list of coordinates")?;
         let lengths = match (
@@ -55,7 +57,10 @@ impl TopographyGrid {
         };
         let n = amounts.len();
         let all = [&amounts, &coordinates, &lengths];
-        if all.iter().any(|list| list.len() != n || list.iter().any(|x| !x.is_finite())) {
+        if all
+            .iter()
+            .any(|list| list.len() != n || list.iter().any(|x| !x.is_finite()))
+        {
             return Err("its lists are not numbers of the same points".into());
         }
         let [down, across] = [steps(&lengths), steps(&coordinates)];
@@ -66,8 +71,10 @@ impl TopographyGrid {
         for ((amount, s), z) in amounts.iter().zip(&lengths).zip(&coordinates) {
             given[nearest(&down, *s)][nearest(&across, *z)] = Some(*amount);
         }
-        let given: Option<Vec<Vec<f64>>> =
-            given.into_iter().map(|row| row.into_iter().collect()).collect();
+        let given: Option<Vec<Vec<f64>>> = given
+            .into_iter()
+            .map(|row| row.into_iter().collect())
+            .collect();
         let given = given.ok_or("its points are no rectangular grid")?;
         let (places, columns) = (even(&down), even(&across));
         let at = |s: f64, z: f64| {
@@ -88,7 +95,10 @@ impl TopographyGrid {
         };
         let ends = |of: &[f64]| [of[0], of[of.len() - 1]];
         Ok(TopographyGrid {
-            rows: rows.into_iter().map(|row: Vec<f64>| row.into_iter().map(exact).collect()).collect(),
+            rows: rows
+                .into_iter()
+                .map(|row: Vec<f64>| row.into_iter().map(exact).collect())
+                .collect(),
             radii: ends(&down).map(|s| exact(s.hypot(measures.r_base))),
             heights: ends(&across).map(|z| exact(z - 0.5 * measures.width)),
             is_resampled: places.is_some() || columns.is_some(),
@@ -108,7 +118,8 @@ fn steps(of: &[f64]) -> Vec<f64> {
 fn nearest(of: &[f64], x: f64) -> usize {
     let distance = |i: &usize| (of[*i] - x).abs();
     let all = 0..of.len();
-    all.min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(0)
+    all.min_by(|a, b| distance(a).total_cmp(&distance(b)))
+        .unwrap_or(0)
 }
 
 /// Equal steps over the span of an ascending list, as fine as its finest; `None` if its own steps are equal.
@@ -138,11 +149,24 @@ mod tests {
 
     /// A component with the points of a product of diameters and coordinates.
     fn component(diameters: &[f64], coordinates: &[f64], amount: fn(f64, f64) -> f64) -> Component {
-        let all = || diameters.iter().flat_map(|d| coordinates.iter().map(move |z| (*d, *z)));
+        let all = || {
+            diameters
+                .iter()
+                .flat_map(|d| coordinates.iter().map(move |z| (*d, *z)))
+        };
         let mut own = Component::default();
-        own.set_list(&key::TOPOGRAPHY_DIAMETERS, &all().map(|p| p.0).collect::<Vec<_>>());
-        own.set_list(&key::TOPOGRAPHY_COORDINATES, &all().map(|p| p.1).collect::<Vec<_>>());
-        own.set_list(&key::TOPOGRAPHY, &all().map(|(d, z)| amount(d, z)).collect::<Vec<_>>());
+        own.set_list(
+            &key::TOPOGRAPHY_DIAMETERS,
+            &all().map(|p| p.0).collect::<Vec<_>>(),
+        );
+        own.set_list(
+            &key::TOPOGRAPHY_COORDINATES,
+            &all().map(|p| p.1).collect::<Vec<_>>(),
+        );
+        own.set_list(
+            &key::TOPOGRAPHY,
+            &all().map(|(d, z)| amount(d, z)).collect::<Vec<_>>(),
+        );
         own
     }
 
@@ -158,7 +182,10 @@ mod tests {
         let own = component(&[0.041, 0.042, 0.045], &[0.0, 0.002, 0.01], amount);
         let grid = TopographyGrid::of(&own, &MEASURES).unwrap();
         assert!(grid.is_resampled);
-        assert_eq!([grid.radii[0], grid.heights[0], grid.heights[1]], [0.0205, -0.005, 0.005]);
+        assert_eq!(
+            [grid.radii[0], grid.heights[0], grid.heights[1]],
+            [0.0205, -0.005, 0.005]
+        );
         let [first, last] = grid.radii.map(|r| (r * r - 4e-4).sqrt());
         let (m, n) = (grid.rows.len() - 1, grid.rows[0].len() - 1);
         assert_eq!(n, 5);
@@ -179,9 +206,21 @@ mod tests {
             change(&mut own);
             TopographyGrid::of(&own, &MEASURES).unwrap_err()
         };
-        assert!(why(&|c| drop(c.attributes.remove("diameters_of_topographical_modification"))).contains("neither"));
+        assert!(
+            why(&|c| drop(
+                c.attributes
+                    .remove("diameters_of_topographical_modification")
+            ))
+            .contains("neither")
+        );
         assert!(why(&|c| c.set_list(&key::TOPOGRAPHY, &[1e-6])).contains("same points"));
-        assert!(why(&|c| c.set_list(&key::TOPOGRAPHY_COORDINATES, &[0.0, 1e-3, 2e-3, 3e-3])).contains("rectangular"));
-        assert!(why(&|c| c.set_list(&key::TOPOGRAPHY_COORDINATES, &[0.0, 1e-3, 0.0, 0.0])).contains("rectangular"));
+        assert!(
+            why(&|c| c.set_list(&key::TOPOGRAPHY_COORDINATES, &[0.0, 1e-3, 2e-3, 3e-3]))
+                .contains("rectangular")
+        );
+        assert!(
+            why(&|c| c.set_list(&key::TOPOGRAPHY_COORDINATES, &[0.0, 1e-3, 0.0, 0.0]))
+                .contains("rectangular")
+        );
     }
 }
