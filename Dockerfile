@@ -1,15 +1,13 @@
-# gearbench in a container: `docker build -t gearbench .`, then
+# gearbench in a container: `docker build -t gearbench --build-arg GEARBENCH_COMMIT="$(git rev-parse --short=12 HEAD)" .`, then
 # `docker run --rm -v "$PWD:/work" gearbench compare spur_impact --out out`.
 FROM rust:1-slim-bookworm AS build
 WORKDIR /gearbench
 COPY . .
-# The program and the library of FMUs, without the checkout that they were compiled in.
-ENV GEARBENCH_RELEASE=1 CARGO_INCREMENTAL=0
-RUN cargo build --profile dist --locked --workspace --bin gearbench --lib
+# The commit in records: the copy of the sources has no history.
+ARG GEARBENCH_COMMIT=unknown
+RUN .ci/release.sh program
 
 FROM debian:bookworm-slim
-COPY --from=build /gearbench/target/dist/gearbench /usr/local/bin/
-COPY --from=build /gearbench/target/dist/libgearbench_fmu.so /usr/local/lib/
-COPY --from=build /gearbench/LICENSE-MIT /gearbench/LICENSE-APACHE /usr/local/share/doc/gearbench/
+COPY --from=build /gearbench/target/releases/gearbench-*-linux/ /usr/local/
 WORKDIR /work
 ENTRYPOINT ["gearbench"]

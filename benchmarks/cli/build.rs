@@ -6,6 +6,7 @@ mod checkout;
 fn main() {
     let commit = checkout::commit_of_checkout();
     println!("cargo:rustc-env=GEARBENCH_COMMIT={commit}");
+    println!("cargo:rerun-if-env-changed={}", checkout::COMMIT_VARIABLE);
     for path in [
         "../../.git/HEAD",
         "../../.git/index",

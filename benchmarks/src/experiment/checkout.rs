@@ -7,8 +7,17 @@ fn git(args: &[&str]) -> Option<String> {
     (done.status.success()).then(|| String::from_utf8_lossy(&done.stdout).trim().to_owned())
 }
 
-/// Commit of the checkout in the working folder, or `unknown`; `+` marks a tree with changes.
+/// Variable that names the commit where the sources are a copy without their history, as in a container.
+pub const COMMIT_VARIABLE: &str = "GEARBENCH_COMMIT";
+
+/// Commit of the checkout in the working folder, or `unknown`; `+` marks a tree with changes. [`COMMIT_VARIABLE`] replaces it.
 pub fn commit_of_checkout() -> String {
+    if let Some(named) = std::env::var(COMMIT_VARIABLE)
+        .ok()
+        .filter(|c| !c.is_empty())
+    {
+        return named;
+    }
     let commit = git(&["rev-parse", "--short=12", "HEAD"]).unwrap_or_else(|| "unknown".into());
     let changes = git(&["status", "--porcelain", "--untracked-files=no"]);
     let mark = if changes.is_some_and(|c| !c.is_empty()) {

@@ -127,6 +127,18 @@ attributes! {
     OTHER_RELIEF: [14560], ["end_relief_depth_non_datum_face"], "mm";
     /// Length of end relief at the other face.
     OTHER_RELIEF_LENGTH: [14559], ["end_relief_length_non_datum_face"], "mm";
+    /// Twist of the profile: its slope at the other face less that at the datum face.
+    PROFILE_TWIST: [14585], ["profile_twist"], "mm";
+    /// Material removed at the points of a topography.
+    TOPOGRAPHY: [14536], ["topographical_modification_amounts"], "mm";
+    /// Distances of the points of a topography from the datum face.
+    TOPOGRAPHY_COORDINATES: [14537], ["coordinates_of_topographical_modification"], "mm";
+    /// Diameters of the points of a topography.
+    TOPOGRAPHY_DIAMETERS: [14538], ["diameters_of_topographical_modification"], "mm";
+    /// Lengths of roll of the points of a topography.
+    TOPOGRAPHY_LENGTHS: [14539], ["length_of_topographical_modification"], "mm";
+    /// Interpolation between the points of a topography.
+    TOPOGRAPHY_INTERPOLATION: [14540], ["type_of_interpolation_topographical_modification"], "none";
     /// Transverse contact ratio.
     CONTACT_RATIO: [990], ["radial_contact_ratio"], "none";
     /// Overlap ratio.
@@ -147,15 +159,44 @@ attributes! {
     WIDTH_LOAD: [5914], ["load_distribution_along_face_width"], "N / mm";
 }
 
+/// A row of [`OPERATING_STIFFNESS`].
+macro_rules! stiffness_row {
+    ($row:literal, $($id:literal $column:literal $unit:literal),*) => {
+        [$(Attribute {
+            ids: &[$id],
+            names: &[concat!("operating_point_stiffness_", $row, "_", $column)],
+            unit: $unit,
+        }),*]
+    };
+}
+
+/// Stiffness matrix of a bearing in its operating point: forces along `u`, `v`, `w` and moments about `v`, `w`, by
+/// displacements along and rotations about the same axes.
+pub static OPERATING_STIFFNESS: [[Attribute; 5]; 5] = [
+    stiffness_row!("f_u", 8718 "d_u" "N / m", 9218 "d_v" "N / m", 9219 "d_w" "N / m", 9220 "rot_v" "N / rad", 9221 "rot_w" "N / rad"),
+    stiffness_row!("f_v", 9222 "d_u" "N / m", 8719 "d_v" "N / m", 9223 "d_w" "N / m", 9224 "rot_v" "N / rad", 9225 "rot_w" "N / rad"),
+    stiffness_row!("f_w", 9226 "d_u" "N / m", 9227 "d_v" "N / m", 8720 "d_w" "N / m", 9228 "rot_v" "N / rad", 9229 "rot_w" "N / rad"),
+    stiffness_row!("m_v", 9230 "d_u" "N", 9231 "d_v" "N", 9232 "d_w" "N", 8721 "rot_v" "N mm / rad", 9233 "rot_w" "N mm / rad"),
+    stiffness_row!("m_w", 9234 "d_u" "N", 9235 "d_v" "N", 9236 "d_w" "N", 9237 "rot_v" "N mm / rad", 8722 "rot_w" "N mm / rad"),
+];
+
+/// Directions of a scene (along x, y, z, about x, y) of the rows and columns of [`OPERATING_STIFFNESS`].
+pub const STIFFNESS_DIRECTIONS: [usize; 5] = [2, 0, 1, 3, 4];
+
+/// Stiffness above which a bearing holds a direction rigidly [N/m, N m/rad].
+pub const RIGID: f64 = 1e13;
+
 #[cfg(test)]
 mod tests {
-    use super::ALL;
+    use super::{ALL, Attribute, OPERATING_STIFFNESS};
     use std::collections::BTreeSet;
 
     #[test]
     fn no_two_attributes_share_an_id_or_a_name() {
-        let ids: Vec<u32> = ALL.iter().flat_map(|a| a.ids.iter().copied()).collect();
-        let names: Vec<&str> = ALL.iter().flat_map(|a| a.names.iter().copied()).collect();
+        let matrix = OPERATING_STIFFNESS.iter().flatten();
+        let all: Vec<&Attribute> = ALL.iter().copied().chain(matrix).collect();
+        let ids: Vec<u32> = all.iter().flat_map(|a| a.ids.iter().copied()).collect();
+        let names: Vec<&str> = all.iter().flat_map(|a| a.names.iter().copied()).collect();
         assert_eq!(ids.iter().collect::<BTreeSet<_>>().len(), ids.len());
         assert_eq!(names.iter().collect::<BTreeSet<_>>().len(), names.len());
     }

@@ -3,8 +3,11 @@
 //! | attribute | value |
 //! |---|---|
 //! | `single_stiffness_iso_6336_2019`, `mean_mesh_stiffness_for_transverse_load_iso_6336_2019` | c' and c_gamma_alpha of ISO 6336-1 |
-//! | `meshing_stiffness_characteristic` | tangent of the force over the displacement along the line of action, in the transverse plane, at positions over one pitch of the first gear ([`MESHING_POSITION`](super::attributes::MESHING_POSITION)) |
+//! | `meshing_stiffness_characteristic` | tangent of the force over the displacement along the line of action, in the transverse plane, at positions over one pitch of the first gear ([`MESHING_POSITION`](super::attributes::MESHING_POSITION), 0 at the pitch point) |
 //! | `load_distribution_along_face_width` | largest load of one contact line over the face width, at the positions of the slices of the contact, under the same load |
+//!
+//! Bearings that are equal in all radial directions have radial, axial and tilting stiffness, others the matrix of the
+//! operating point. A direction that is held has ten times the stiffness from which on the import takes it as rigid.
 //!
 //! The date of the file is a constant, so that equal scenes give equal bytes.
 
@@ -12,10 +15,10 @@ use super::attributes as key;
 use super::model::{Component, Model, Relation};
 use crate::scene_file::{ModelChoice, SceneError, SceneFile};
 use gearbench_models::gear::table::Model as GearModel;
-use gearbench_models::geometry::{Gear, Mate, Side};
+use gearbench_models::geometry::{EndRelief, Gear, Mate, ReliefShape, Side, Topography};
 use gearbench_models::spec::{
-    Body, GearSpec, Load, MeshSpec, Modelling, Mount, Profile, SceneSpec, SectionKind,
-    StationMember, initial_speed, mesh_layout,
+    Body, Freedom, GearSpec, Load, MeshSpec, Modelling, Mount, OutOfPlaneSpec, Profile, SceneSpec,
+    SectionKind, StationMember, initial_speed, mesh_layout,
 };
 use gearbench_models::stiffness::{Material, iso_of};
 use gearbench_reference::statics::{Load as StaticLoad, LoadedPair, MeshCycle};
@@ -134,11 +137,13 @@ pub fn model(file: &SceneFile, choice: &ModelChoice) -> Result<Export, SceneErro
         }
         let found = stiffness(&spec, &choice.modelling, m, &file.context.models);
         match found {
-            Ok(found) => found.set(to.of(stage)),
+            Ok(found) => {
+                found.set(to.of(stage));
+                if let Some(data) = data_of(&to, stage) {
+                    to.of(data).set_list(&key::MESHING_POSITION, &found.angles);
+                }
+            }
             Err(why) => to.left.push(format!("mesh {}: {why}", m + 1)),
-        }
-        if let (Some(data), Ok(angles)) = (data_of(&to, stage), positions(&spec, mesh)) {
-            to.of(data).set_list(&key::MESHING_POSITION, &angles);
         }
     }
     if !spec.stages.is_empty() {
@@ -205,9 +210,21 @@ fn shafts(
                     let gear = &spec.gears[*i];
                     speed = initial_speed(&gear.mount, gear.speed);
                     load(to, id, &gear.name, place, &gear.loads);
+                    bearing(
+                        to,
+                        [id, unit, casing],
+                        (&gear.name, place),
+                        gear.lateral.as_deref(),
+                    );
                 }
                 StationMember::Body(body) => {
                     load(to, id, &body.name, place, &body.loads);
+                    bearing(
+                        to,
+                        [id, unit, casing],
+                        (&body.name, place),
+                        body.lateral.as_deref(),
+                    );
                     if body.inertia != 0.0 {
                         to.left.push(format!("{}: inertia", body.name));
                     }
@@ -258,6 +275,16 @@ fn shafts(
         to.part(unit, id);
         of_gears.insert(i, (id, 0.0));
         load(to, id, &gear.name, 0.0, &gear.loads);
+        if !planets.contains(&i) {
+            bearing(
+                to,
+                [id, unit, casing],
+                (&gear.name, 0.0),
+                gear.lateral.as_deref(),
+            );
+        } else if gear.lateral.is_some() {
+            to.left.push(format!("{}: elastic pin", gear.name));
+        }
         match gear.mount {
             Mount::Fixed => {
                 let coupling = to.add("coupling", "");
@@ -277,6 +304,83 @@ fn shafts(
         }
     }
     of_gears
+}
+
+/// Adds the bearing of a hub between its shaft and the casing.
+fn bearing(
+    to: &mut Builder,
+    [shaft, unit, casing]: [u64; 3],
+    (name, place): (&str, f64),
+    of: Option<&OutOfPlaneSpec>,
+) {
+    let Some(of) = of else { return };
+    let mut matrix = of.bearing.stiffness;
+    let holds = |k: usize| of.directions[k] == Freedom::Fixed;
+    let supports = |k: usize| holds(k) || matrix[k][k] > 0.0;
+    if (0..6).all(|k| matrix[k].iter().all(|x| *x == 0.0)) && !holds(0) && !holds(1) {
+        return;
+    }
+    if !supports(0) || !supports(1) {
+        to.left
+            .push(format!("{name}: a bearing without radial stiffness"));
+        return;
+    }
+    let carries_axial = supports(2);
+    for k in 0..5 {
+        if matches!(of.directions[k], Freedom::Driven(_)) {
+            to.left.push(format!("{name}: driven directions"));
+        } else if holds(k) {
+            (0..6).for_each(|i| (matrix[i][k], matrix[k][i]) = (0.0, 0.0));
+            matrix[k][k] = 10.0 * key::RIGID;
+        }
+    }
+    if (0..6).any(|k| matrix[5][k] != 0.0) {
+        to.left
+            .push(format!("{name}: stiffness of its bearing about the axis"));
+    }
+    let [damped, loose] = [
+        of.bearing.damping != [[0.0; 6]; 6],
+        of.bearing.clearance != 0.0,
+    ];
+    for (is_there, what) in [(damped, "damping"), (loose, "clearance")] {
+        if is_there {
+            to.left.push(format!("{name}: {what} of its bearing"));
+        }
+    }
+    let is_diagonal = (0..5).all(|i| (0..5).all(|k| i == k || matrix[i][k] == 0.0));
+    let is_round = matrix[0][0] == matrix[1][1] && matrix[3][3] == matrix[4][4];
+    let id = to.add("concept_bearing", name);
+    let own = to.of(id);
+    own.set(&key::BEARING_PLACE, place);
+    let axial = if carries_axial {
+        "both_directions"
+    } else {
+        "no_direction"
+    };
+    own.set_text(&key::AXIAL_ABSORPTION, axial);
+    if is_diagonal && is_round {
+        own.set(&key::RADIAL_STIFFNESS, matrix[0][0]);
+        own.set(&key::BENDING_STIFFNESS, matrix[3][3]);
+        if carries_axial {
+            own.set(&key::AXIAL_STIFFNESS, matrix[2][2]);
+        }
+    } else {
+        for (row, i) in key::OPERATING_STIFFNESS
+            .iter()
+            .zip(key::STIFFNESS_DIRECTIONS)
+        {
+            for (attribute, k) in row.iter().zip(key::STIFFNESS_DIRECTIONS) {
+                own.set(attribute, matrix[i][k]);
+            }
+        }
+    }
+    let refs = [
+        ("assembly", id),
+        ("inner_part", shaft),
+        ("outer_part", casing),
+    ];
+    to.relate("side", &refs);
+    to.part(unit, id);
 }
 
 /// Adds a gear with flanks, tool and material.
@@ -345,53 +449,108 @@ fn toothed(
     Ok(id)
 }
 
-/// Adds the modifications of the flanks.
+/// Adds the modifications of the flanks, left before right.
 fn modifications(to: &mut Builder, gear: &GearSpec, body: &Gear, flanks: [u64; 2]) {
     let own = &body.params().modifications;
-    let mut add = |kind: &str, values: &[(&key::Attribute, f64)]| {
-        if values.iter().all(|(_, x)| *x == 0.0) {
-            return;
-        }
+    let mut add = |kind: &str, flanks: &[u64], fill: &dyn Fn(&mut Component)| {
         for flank in flanks {
             let id = to.add(kind, &gear.name);
-            for (key, x) in values {
-                to.of(id).set(key, *x);
-            }
-            to.relate("reference", &[("origin", flank), ("referenced", id)]);
+            fill(to.of(id));
+            to.relate("reference", &[("origin", *flank), ("referenced", id)]);
         }
     };
+    let shape = |own: &mut Component, shape: ReliefShape| {
+        let text = match shape {
+            ReliefShape::Linear => "linear",
+            ReliefShape::Parabolic => "parabolic",
+        };
+        own.set_text(&key::RELIEF_SHAPE, text);
+    };
     if let Some(relief) = &own.tip_relief {
-        let start = 2.0 * relief.start_radius;
-        let values = [
-            (&key::TIP_RELIEF, relief.amount),
-            (&key::TIP_RELIEF_START, start),
-        ];
-        add("tip_relief", &values);
+        add("tip_relief", &flanks, &|c| {
+            c.set(&key::TIP_RELIEF, relief.amount);
+            c.set(&key::TIP_RELIEF_START, 2.0 * relief.start_radius);
+            shape(c, relief.shape);
+        });
     }
-    let crowning = own.profile_crowning;
-    add(
-        "profile_crowning",
-        &[
-            (&key::PROFILE_CROWNING_TIP, crowning),
-            (&key::PROFILE_CROWNING_ROOT, crowning),
-        ],
-    );
-    let crowning = own.lead_crowning;
-    add(
-        "helix_crowning",
-        &[
-            (&key::HELIX_CROWNING_DATUM, crowning),
-            (&key::HELIX_CROWNING_OTHER, crowning),
-        ],
-    );
-    let ends = own.end_relief.iter().any(Option::is_some);
-    let grids = own.topography.iter().any(Option::is_some);
-    if ends || grids || own.helix_slope != [0.0; 2] || own.twist != [0.0; 2] {
-        to.left.push(format!(
-            "{}: modifications beside tip relief and crowning",
-            gear.name
-        ));
+    for (amount, kind, keys) in [
+        (
+            own.profile_crowning,
+            "profile_crowning",
+            [&key::PROFILE_CROWNING_TIP, &key::PROFILE_CROWNING_ROOT],
+        ),
+        (
+            own.lead_crowning,
+            "helix_crowning",
+            [&key::HELIX_CROWNING_DATUM, &key::HELIX_CROWNING_OTHER],
+        ),
+    ] {
+        if amount != 0.0 {
+            add(kind, &flanks, &|c| {
+                keys.iter().for_each(|key| c.set(key, amount))
+            });
+        }
     }
+    let [low, high] = &own.end_relief;
+    let ends: [(&Option<EndRelief>, &str, [&key::Attribute; 2]); 2] = [
+        (
+            low,
+            "end_relief_datum_face",
+            [&key::DATUM_RELIEF, &key::DATUM_RELIEF_LENGTH],
+        ),
+        (
+            high,
+            "end_relief_non_datum_face",
+            [&key::OTHER_RELIEF, &key::OTHER_RELIEF_LENGTH],
+        ),
+    ];
+    for (end, kind, keys) in ends {
+        if let Some(end) = end {
+            add(kind, &flanks, &|c| {
+                c.set(keys[0], end.amount);
+                c.set(keys[1], end.length);
+                shape(c, end.shape);
+            });
+        }
+    }
+    for (i, flank) in flanks.iter().enumerate() {
+        for (amount, kind, key) in [
+            (own.helix_slope[i], "helix_slope", &key::HELIX_SLOPE),
+            (own.twist[i], "profile_twist", &key::PROFILE_TWIST),
+        ] {
+            if amount != 0.0 {
+                add(kind, &[*flank], &|c| c.set(key, amount));
+            }
+        }
+        if let Some(grid) = &own.topography[i] {
+            add("topographical_modification", &[*flank], &|c| {
+                points(c, body, grid)
+            });
+        }
+    }
+}
+
+/// Sets the points of a topography: amounts by rows from the root to the tip, with their diameters and coordinates.
+fn points(own: &mut Component, body: &Gear, grid: &Topography) {
+    let half = 0.5 * body.params().face_width;
+    let roll = |r: f64| (r * r - body.r_base().powi(2)).max(0.0).sqrt();
+    let ends = grid.radii().unwrap_or([body.r_form(), body.r_tip()]);
+    let heights = grid.heights().unwrap_or([-half, half]);
+    let [rows, columns] = grid.size();
+    let between = |[a, b]: [f64; 2], i: usize, n: usize| a + (b - a) * i as f64 / (n - 1) as f64;
+    let [mut diameters, mut coordinates] = [Vec::new(), Vec::new()];
+    for i in 0..rows {
+        for k in 0..columns {
+            let s = between(ends.map(roll), i, rows);
+            diameters.push(2.0 * s.hypot(body.r_base()));
+            coordinates.push(half + between(heights, k, columns));
+        }
+    }
+    let amounts: Vec<f64> = grid.rows().flatten().copied().collect();
+    own.set_list(&key::TOPOGRAPHY, &amounts);
+    own.set_list(&key::TOPOGRAPHY_DIAMETERS, &diameters);
+    own.set_list(&key::TOPOGRAPHY_COORDINATES, &coordinates);
+    own.set_text(&key::TOPOGRAPHY_INTERPOLATION, "spline");
 }
 
 /// Adds planetary stages with their carriers; returns their ids.
@@ -473,23 +632,14 @@ fn data_of(to: &Builder, stage: u64) -> Option<u64> {
         .role("stage_gear_data")
 }
 
-/// Angles of the first gear over one pitch [rad], from the pitch point on.
-fn positions(spec: &SceneSpec, mesh: &MeshSpec) -> Result<Vec<f64>, SceneError> {
-    let Body::Gear(gear) = &spec.gears[mesh.gears[0]].body else {
-        return Err(SceneError::plain("a rack", "export cylindrical gears"));
-    };
-    let pitch = std::f64::consts::TAU / f64::from(gear.teeth());
-    Ok((0..POSITIONS)
-        .map(|i| pitch * i as f64 / POSITIONS as f64)
-        .collect())
-}
-
 /// Stiffness of a mesh.
 struct MeshStiffness {
     /// c' and c_gamma_alpha of ISO 6336-1 [N/m^2].
     norm: Option<[f64; 2]>,
     /// Tangent over one pitch [N/m]; empty if the model has no equilibria.
     curve: Vec<f64>,
+    /// Angles of the first gear at these positions [rad], 0 at the pitch point.
+    angles: Vec<f64>,
     /// Load over the face width [N/m].
     width_load: Vec<f64>,
 }
@@ -552,8 +702,14 @@ fn stiffness(
     let mut loaded = LoadedPair::new(&pair, &modelling, models).map_err(|e| e.to_string())?;
     let cycle = MeshCycle::solve(&mut loaded, StaticLoad::Force(force), POSITIONS, |_| {})
         .map_err(|e| e.to_string())?;
+    let pitch = match &a.body {
+        Body::Gear(gear) => std::f64::consts::TAU / f64::from(gear.teeth()),
+        Body::Rack(_) => 0.0,
+    };
+    let angle = |s: f64| pitch * (s - cycle.pitch_point) / cycle.base_pitch;
     Ok(MeshStiffness {
         norm,
+        angles: cycle.positions.iter().map(|p| angle(p.s)).collect(),
         curve: cycle.tangent.clone(),
         width_load: width_load(&mut loaded, width),
     })

@@ -141,7 +141,7 @@ impl Component {
         }
     }
 
-    /// A list of numbers in SI units.
+    /// A list of numbers in SI units; `None` if the component has none, or one that is no list.
     pub fn numbers(&self, name: &str, unit: &str) -> Option<Vec<f64>> {
         let found = self.attributes.get(name)?;
         let Value::Numbers(list) = &found.value else {
@@ -149,6 +149,11 @@ impl Component {
         };
         let factor = units::factor(&found.unit, unit)?;
         Some(list.iter().map(|x| factor * x).collect())
+    }
+
+    /// The list of an attribute in SI units.
+    pub fn list(&self, attribute: &Attribute) -> Option<Vec<f64>> {
+        self.numbers(attribute.names[0], attribute.unit)
     }
 
     /// Adds an attribute in SI units, converted to the unit of version 2.0.

@@ -21,6 +21,7 @@ fn unit(text: &str) -> Option<(&'static str, f64)> {
         "kN" => ("force", 1e3),
         "N / m" => ("stiffness", 1.0),
         "N / mm" => ("stiffness", 1e3),
+        "N / rad" => ("force", 1.0),
         "N mm / rad" => ("tilting stiffness", 1e-3),
         "N m / rad" => ("tilting stiffness", 1.0),
         "N / (mm mum)" => ("stiffness over width", 1e9),
@@ -43,7 +44,7 @@ pub fn factor(given: &str, expected: &str) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::factor;
-    use crate::rexs::attributes::ALL;
+    use crate::rexs::attributes::{ALL, OPERATING_STIFFNESS};
 
     #[test]
     fn units_are_those_of_their_quantity() {
@@ -52,7 +53,11 @@ mod tests {
         assert_eq!(factor("", "none"), Some(1.0));
         assert_eq!(factor("mm", "deg"), None);
         assert_eq!(factor("furlong", "mm"), None);
-        for attribute in ALL {
+        for attribute in ALL
+            .iter()
+            .copied()
+            .chain(OPERATING_STIFFNESS.iter().flatten())
+        {
             let own = factor(attribute.unit, attribute.unit);
             assert!(own.is_some(), "{:?}", attribute.names);
         }

@@ -73,6 +73,21 @@ impl Topography {
         [self.rows, self.columns]
     }
 
+    /// Returns the rows from the root to the tip, each with the amounts from the lower to the upper end of the face (m).
+    pub fn rows(&self) -> impl Iterator<Item = &[f64]> {
+        self.amounts.chunks(self.columns)
+    }
+
+    /// Returns the radii of the first and the last row (m), if they are not form circle and tip.
+    pub fn radii(&self) -> Option<[f64; 2]> {
+        self.radii
+    }
+
+    /// Returns the heights of the first and the last column from the middle of the face (m), if they are not its ends.
+    pub fn heights(&self) -> Option<[f64; 2]> {
+        self.heights
+    }
+
     /// Returns the largest amount removed or left at a point of the grid (m).
     pub fn greatest(&self) -> f64 {
         self.amounts.iter().fold(0.0, |g, x| x.abs().max(g))

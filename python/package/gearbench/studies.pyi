@@ -401,6 +401,7 @@ def reference(
     distance: float | None = ...,
     duration: float | None = ...,
     out: Text | float | bool | Sequence[Any] | None = ...,
+    digits: int | None = ...,
     force: bool | None = ...,
     name: Text | float | bool | Sequence[Any] | None = ...,
     add: bool | None = ...,

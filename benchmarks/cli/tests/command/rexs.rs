@@ -6,6 +6,7 @@
 use super::{Folder, has, stderr};
 use gearbench::context::Context;
 use gearbench::experiment::machine::timed;
+use gearbench::rexs::attributes::{self as key, Attribute};
 use gearbench::rexs::import::{ImportOptions, scene};
 use gearbench::rexs::read::of_bytes;
 use gearbench::rexs::write::{to_json, to_xml};
@@ -558,6 +559,181 @@ fn exported_scenes_are_imported_as_they_were() {
     folder.says("export loaded_mesh --rexs again.rexs");
     let read = |name: &str| std::fs::read(folder.at(name)).unwrap();
     assert_eq!(read("loaded_mesh.rexs"), read("again.rexs"));
+}
+
+/// A pair with all modifications, one bearing with equal radial stiffness and one with a full matrix.
+const CHANGED: &str = r#"
+schema = 1
+name = "changed"
+duration_s = 1e-3
+[gears.pinion]
+teeth = 19
+module_m = 0.003
+face_width_m = 0.02
+bore_radius_m = 0.012
+speed_rad_s = 100.0
+loads = [{ torque_nm = 20.0 }]
+tip_relief = { amount_m = 1e-5, start_radius_m = 0.0305, shape = "parabolic" }
+profile_crowning_m = 2e-6
+lead_crowning_m = 3e-6
+end_relief = { low = { amount_m = 5e-6, length_m = 2e-3 }, high = { amount_m = 6e-6, length_m = 3e-3, shape = "parabolic" } }
+helix_slope_m = { left = 4e-6 }
+twist_m = { left = 1e-6, right = -2e-6 }
+topography = { unit_m = 1e-6, left = [[0, 1, 0], [0, 0, 0], [2, 3, 2], [1, 1, 4]], radii_m = [0.0275, 0.031], heights_m = [-0.008, 0.009] }
+bearing = { stiffness = [2e8, 2e8, 0.0, 0.0, 0.0, 0.0] }
+directions = { z = "held", tilt_x = "held", tilt_y = "held" }
+[gears.wheel]
+teeth = 41
+module_m = 0.003
+face_width_m = 0.02
+bore_radius_m = 0.025
+speed_rad_s = -46.341463
+loads = [{ torque_nm = 43.157895 }]
+bearing = { stiffness_matrix = [[3e8, 1e6, 0.0, 0.0, 2e6, 0.0], [1e6, 4e8, 0.0, 5e5, 0.0, 0.0], [0.0, 0.0, 1e8, 0.0, 0.0, 0.0], [0.0, 5e5, 0.0, 7e5, 0.0, 0.0], [2e6, 0.0, 0.0, 0.0, 8e5, 0.0], [0.0, 0.0, 0.0, 0.0, 0.0, 0.0]] }
+[[meshes]]
+gears = ["pinion", "wheel"]
+backlash_m = 80e-6
+[[models]]
+model = "rigid"
+contact = { stiffness = "compliance", slices = 8 }
+[study]
+integrators = [{ method = "dopri5", rtol = 1e-6 }]
+"#;
+
+#[test]
+fn modifications_and_bearings_come_back() {
+    let folder = Folder::new();
+    folder.write("changed.toml", CHANGED);
+    let load = |name: &str| {
+        let path = folder.at(name);
+        gearbench::scene_file::load_unbuilt(&Context::default(), path.to_str().unwrap())
+            .unwrap_or_else(|e| panic!("{}", e.to_text()))
+            .spec
+    };
+    let own = load("changed.toml");
+    for end in ["rexs", "rexsj"] {
+        let said = folder.says(&format!("export changed.toml --rexs changed.{end}"));
+        assert!(!said.contains("left:"), "{said}");
+        let said = folder.says(&format!(
+            "import changed.{end} --bearings --out again.toml --force"
+        ));
+        assert!(!said.contains("left:"), "{said}");
+        let again = load("again.toml");
+        let mut worst = 0.0_f64;
+        let mut near = |a: f64, b: f64, scale: f64| worst = worst.max((a - b).abs() / scale);
+        for (a, b) in own.gears.iter().zip(&again.gears) {
+            let [m, n] = [a, b].map(|g| match &g.body {
+                gearbench_models::spec::Body::Gear(g) => g.params().modifications.clone(),
+                gearbench_models::spec::Body::Rack(_) => panic!("a rack"),
+            });
+            let list = |m: &gearbench_models::geometry::Modifications| {
+                let relief = m.tip_relief.iter().flat_map(|r| [r.amount, r.start_radius]);
+                let ends = m
+                    .end_relief
+                    .iter()
+                    .flatten()
+                    .flat_map(|e| [e.amount, e.length]);
+                let grids = m.topography.iter().flatten();
+                let grids = grids.flat_map(|t| {
+                    let corners = [t.radii().unwrap(), t.heights().unwrap()].concat();
+                    t.rows()
+                        .flatten()
+                        .copied()
+                        .chain(corners)
+                        .collect::<Vec<_>>()
+                });
+                let all = [m.profile_crowning, m.lead_crowning];
+                let all = all.into_iter().chain(m.helix_slope).chain(m.twist);
+                all.chain(relief)
+                    .chain(ends)
+                    .chain(grids)
+                    .collect::<Vec<f64>>()
+            };
+            let [x, y] = [&m, &n].map(list);
+            assert_eq!(x.len(), y.len(), "{end}, {}: {x:?} {y:?}", a.name);
+            x.iter()
+                .zip(&y)
+                .for_each(|(x, y)| near(*x, *y, 1e-6_f64.max(x.abs())));
+            let shapes = |m: &gearbench_models::geometry::Modifications| {
+                let ends = m.end_relief.map(|e| e.map(|e| e.shape));
+                (m.tip_relief.map(|r| r.shape), ends)
+            };
+            assert_eq!(shapes(&m), shapes(&n));
+            let [p, q] = [a, b].map(|g| g.lateral.clone().unwrap());
+            assert_eq!(p.directions, q.directions, "{end}, {}", a.name);
+            for (x, y) in p
+                .bearing
+                .stiffness
+                .iter()
+                .flatten()
+                .zip(q.bearing.stiffness.iter().flatten())
+            {
+                near(*x, *y, 1e8);
+            }
+        }
+        println!("{end}: modifications and bearings, largest relative difference {worst:.1e}");
+        assert!(worst < 1e-12, "{end}: {worst:e}");
+    }
+    // Without the option the axes are fixed.
+    folder.says("import changed.rexs --out fixed.toml");
+    assert!(load("fixed.toml").gears.iter().all(|g| g.lateral.is_none()));
+}
+
+#[test]
+fn exported_stiffness_is_that_of_the_study() {
+    let folder = Folder::new();
+    for (scene, model, torque) in [
+        ("loaded_mesh", "rigid", 94.1),
+        ("loaded_mesh", "movable-teeth", 94.1),
+    ] {
+        let said = folder.says(&format!(
+            "export {scene} --model {model} --rexs {model}.rexs"
+        ));
+        has(&said, &[&format!("stiffness of {model}")]);
+        folder.says(&format!(
+            "stiffness {scene} --models {model} --torque {torque} --positions 24 --out {model}"
+        ));
+        let record: serde_json::Value =
+            serde_json::from_str(&folder.read(&format!("{model}/results.json"))).unwrap();
+        let study = record["stiffness"].as_array().unwrap();
+        let study = study.iter().find(|m| m["label"] == model).unwrap();
+        let number = |of: &serde_json::Value, key: &str| of[key].as_f64().unwrap();
+        let file = of_bytes(folder.read(&format!("{model}.rexs")).as_bytes()).unwrap();
+        let list = |kind: &str, attribute: &Attribute| {
+            file.of_kind(kind).find_map(|c| c.list(attribute)).unwrap()
+        };
+        let curve = list("cylindrical_stage", &key::MESH_STIFFNESS_CURVE);
+        let angles = list("cylindrical_stage_gear_data", &key::MESHING_POSITION);
+        let positions = study["positions"].as_array().unwrap();
+        assert_eq!([positions.len(), curve.len(), angles.len()], [24; 3]);
+        // Each angle of the file, as a place on the path of contact of the study.
+        let per_angle = number(study, "base_pitch_m") * 16.0 / std::f64::consts::TAU;
+        let mut worst = 0.0_f64;
+        for (angle, stiffness) in angles.iter().zip(&curve) {
+            let s = number(study, "pitch_point_m") + per_angle * angle;
+            let at = |p: &&serde_json::Value| (number(p, "path_coordinate_m") - s).abs();
+            let own = positions
+                .iter()
+                .min_by(|a, b| at(a).total_cmp(&at(b)))
+                .unwrap();
+            assert!(at(&own) < 1e-12, "{angle}: {}", at(&own));
+            worst = worst.max((stiffness / number(own, "tangent_n_per_m") - 1.0).abs());
+        }
+        println!(
+            "{scene}, {model}: stiffness of file and study, largest relative difference {worst:.1e}"
+        );
+        assert!(worst < 1e-12, "{worst:e}");
+        let stage = file.of_kind("cylindrical_stage").next().unwrap();
+        let iso = record["stiffness"].as_array().unwrap().iter();
+        let iso = iso.clone().find(|m| m["label"] == "ISO 6336-1").unwrap();
+        for (attribute, name) in [
+            (&key::SINGLE_STIFFNESS, "single_stiffness_n_per_m2"),
+            (&key::MESH_STIFFNESS, "mesh_stiffness_n_per_m2"),
+        ] {
+            let own = stage.number(attribute).unwrap().unwrap();
+            assert!((own / number(iso, name) - 1.0).abs() < 1e-12);
+        }
+    }
 }
 
 /// Files below a folder whose names end as those of REXS.

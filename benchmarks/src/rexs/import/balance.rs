@@ -6,6 +6,8 @@
 
 use nalgebra::{DMatrix, DVector};
 
+/// Share of the largest torque that may be missing in a balance: files have few digits.
+const BALANCED: f64 = 1e-6;
 /// Singular values below this share of the largest are zero.
 const ZERO: f64 = 1e-9;
 
@@ -83,7 +85,7 @@ impl Train {
         let mut all = DVector::from_column_slice(torques);
         let missing = -(free.transpose() * &all);
         let scale = all.amax();
-        if missing.amax() > 1e-9 * scale {
+        if missing.amax() > BALANCED * scale {
             if open.is_empty() {
                 return None;
             }
@@ -94,7 +96,7 @@ impl Train {
                 }
             }
             let found = own.clone().svd(true, true).solve(&missing, ZERO).ok()?;
-            if (own * &found - missing).amax() > 1e-6 * scale {
+            if (own * &found - missing).amax() > BALANCED * scale {
                 return None;
             }
             for (rotor, torque) in open.iter().zip(found.iter()) {

@@ -1,12 +1,13 @@
 //! Gears of a model: toothing, material, modifications, profile shift and tooth thickness.
 
 use super::report::ImportReport;
+use super::topography::{FlankMeasures, TopographyGrid};
 use crate::rexs::attributes as key;
 use crate::rexs::model::{Component, Model};
 use crate::scene_file::SceneError;
 use crate::scene_file::format::{
-    Degrees, EndReliefTable, EndTable, GearTable, MaterialChoice, MaterialTable, PerSide,
-    ReliefTable, SideTable,
+    AmountTable, Degrees, EndReliefTable, EndTable, GearTable, MaterialChoice, MaterialTable,
+    PerSide, ReliefTable, SideTable, TopographyTable,
 };
 use gearbench_models::geometry::{ReliefShape, inv, inv_inverse};
 
@@ -235,7 +236,16 @@ fn modify(
 ) -> Result<(), SceneError> {
     let sides = ["left", "right"].map(|side| model.related("flank", "gear", gear.id, side));
     let name = gear.name.clone();
-    let mut slopes = [None; 2];
+    let [mut slopes, mut twists] = [[None; 2]; 2];
+    let mut grids: [Option<TopographyGrid>; 2] = [None, None];
+    let measures = {
+        let [_, transverse, beta] = angles(gear);
+        let reference = 0.5 * gear.table.module_m * f64::from(gear.table.teeth) / beta.cos();
+        FlankMeasures {
+            r_base: reference * transverse.cos(),
+            width: gear.table.face_width_m,
+        }
+    };
     for (i, flank) in sides.iter().enumerate() {
         let Some(flank) = flank.first() else { continue };
         for own in model.related("reference", "origin", flank.id, "referenced") {
@@ -268,6 +278,19 @@ fn modify(
                     table.lead_crowning_m = both(datum?, other?, &name, own, report);
                 }
                 "helix_slope" => slopes[i] = own.number(&key::HELIX_SLOPE)?,
+                "profile_twist" => twists[i] = own.number(&key::PROFILE_TWIST)?,
+                "topographical_modification" => match TopographyGrid::of(own, &measures) {
+                    Ok(grid) => {
+                        if grid.is_resampled {
+                            report.assume(format!(
+                                "{name}: linear interpolation between the points of {}, as their steps differ",
+                                own.title()
+                            ));
+                        }
+                        grids[i] = Some(grid);
+                    }
+                    Err(why) => report.leave(format!("{name}: {}: {why}", own.title())),
+                },
                 "end_relief_datum_face" | "end_relief_non_datum_face" => {
                     let is_datum = own.kind == "end_relief_datum_face";
                     let [depth, length] = match is_datum {
@@ -292,8 +315,7 @@ fn modify(
                 }
                 kind if kind.contains("relief")
                     || kind.starts_with("profile_")
-                    || kind.starts_with("helix_")
-                    || kind == "topographical_modification" =>
+                    || kind.starts_with("helix_") =>
                 {
                     report.leave(format!("{name}: {}", own.title()));
                 }
@@ -301,10 +323,44 @@ fn modify(
             }
         }
     }
-    if slopes.iter().any(|s| s.is_some_and(|s| s != 0.0)) {
+    let sides = |values: [Option<f64>; 2]| {
+        let [left, right] = values.map(|s| s.map(exact));
+        let any = [left, right].iter().any(|s| s.is_some_and(|s| s != 0.0));
+        any.then_some(PerSide::Each(SideTable { left, right }))
+    };
+    gear.table.helix_slope_m = sides(slopes);
+    if gear.table.helix_slope_m.is_some() {
         report.assume("positive helix slopes remove material towards the upper ends of the axes");
-        let [left, right] = slopes.map(|s| s.map(exact));
-        gear.table.helix_slope_m = Some(PerSide::Each(SideTable { left, right }));
+    }
+    gear.table.twist_m = sides(twists);
+    if gear.table.twist_m.is_some() {
+        report.assume("positive twists remove material at the tips of the upper ends of the axes");
+    }
+    let [left, right] = grids;
+    if let (Some(l), Some(r)) = (&left, &right)
+        && l.extent() != r.extent()
+    {
+        report.leave(format!(
+            "{name}: the topography of the right flank, whose points are not those of the left one"
+        ));
+    }
+    if let Some(first) = left.as_ref().or(right.as_ref()) {
+        report.assume(
+            "topographies: positive amounts are removed material, coordinates count from the lower ends of the axes",
+        );
+        let [radii, heights] = first.extent();
+        let rows = |grid: &Option<TopographyGrid>| {
+            let grid = grid.as_ref().filter(|g| g.extent() == [radii, heights]);
+            grid.map(|g| AmountTable::Rows(g.rows.clone()))
+        };
+        gear.table.topography = Some(Box::new(TopographyTable {
+            left: rows(&left),
+            right: rows(&right),
+            both: None,
+            unit_m: None,
+            radii_m: Some(radii),
+            heights_m: Some(heights),
+        }));
     }
     Ok(())
 }

@@ -4,6 +4,7 @@
 //! |---|---|
 //! | `gears` | toothing, profile shift, tooth thickness, material, modifications |
 //! | `balance` | speeds of all shafts, balance of torques |
+//! | `topography` | points of a topographical modification as a grid |
 //! | `shafts` | shafts with sections and bearings, carriers |
 //! | `report` | what was taken, assumed and left |
 //!
@@ -13,6 +14,7 @@ mod balance;
 mod gears;
 mod report;
 mod shafts;
+mod topography;
 
 pub use report::ImportReport;
 
@@ -419,7 +421,7 @@ fn leave_rest(model: &Model, report: &mut ImportReport) {
         "material",
         "cylindrical_gear_manufacturing_settings",
     ];
-    const ELSEWHERE: [&str; 10] = [
+    const ELSEWHERE: [&str; 12] = [
         "rack_shaped_tool",
         "cutter_wheel_tool",
         "tip_relief",
@@ -428,6 +430,8 @@ fn leave_rest(model: &Model, report: &mut ImportReport) {
         "helix_slope",
         "end_relief_datum_face",
         "end_relief_non_datum_face",
+        "profile_twist",
+        "topographical_modification",
         "concept_bearing",
         "rolling_bearing_with_catalog_geometry",
     ];
@@ -450,10 +454,14 @@ fn fit(
     };
     /// A change of a scene; false if there is nothing to change.
     type Change = fn(&mut SceneTable) -> bool;
-    let changes: [(&str, Change); 3] = [
+    let changes: [(&str, Change); 4] = [
         (
             "internal gears: the cutter of the defaults, as that of the file cannot be used",
             default_cutters,
+        ),
+        (
+            "no topographies, as those of the file cannot be used",
+            no_topographies,
         ),
         (
             "rigid shafts, as those of the file cannot be used",
@@ -489,6 +497,17 @@ fn default_cutters(scene: &mut SceneTable) -> bool {
         {
             (gear.cutter_teeth, gear.tip_radius_factor) = (None, None);
             changed = true;
+        }
+    }
+    changed
+}
+
+/// Removes the topographies of all gears.
+fn no_topographies(scene: &mut SceneTable) -> bool {
+    let mut changed = false;
+    for (_, gear) in &mut scene.gears.0 {
+        if let ToothedTable::Gear(gear) = gear {
+            changed |= gear.topography.take().is_some();
         }
     }
     changed

@@ -3,19 +3,18 @@
 use super::gears::{ImportedGear, exact, material, needed};
 use super::{Assembly, name_of};
 use crate::rexs::attributes as key;
+use crate::rexs::attributes::{OPERATING_STIFFNESS, RIGID, STIFFNESS_DIRECTIONS};
 use crate::rexs::model::{Component, Model};
 use crate::scene_file::SceneError;
 use crate::scene_file::format::{
     BearingTable, DirectionTable, GearLoad, GearName, NotNegative, Positive, SectionTable,
-    ShaftTable, StationTable, Translation,
+    ShaftTable, StationTable, Tilt, Translation,
 };
 use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::PI;
 
 /// Largest gap or overlap of neighbouring sections [m].
 const GAP: f64 = 1e-6;
-/// Stiffness above which a bearing is rigid [N/m].
-const RIGID: f64 = 1e13;
 /// Density of steel, for the inertia of carriers [kg/m^3].
 const STEEL: f64 = 7850.0;
 
@@ -223,13 +222,45 @@ fn plain(
         ));
         sections = None;
     }
-    let bearings = match (of.options.bearings, &sections) {
-        (true, Some(_)) => bearings(of, shaft, names)?,
-        _ => Vec::new(),
+    let bearings = match of.options.bearings {
+        true => bearings(of, shaft)?,
+        false => Vec::new(),
     };
     if stations.len() == 1 && sections.is_none() {
+        let own = on_it[0];
+        match bearings.as_slice() {
+            [one] if (one.place - stations[0].at_m).abs() < GAP => {
+                let table = &mut of.gears[own].table;
+                table.bearing = Some(one.springs.clone());
+                table.directions.clone_from(&one.directions);
+                of.report
+                    .taken
+                    .push(format!("{}: 1 bearing", shaft.title()));
+            }
+            [] => {}
+            _ => of.report.leave(format!(
+                "bearings of {}: a gear without sections of a shaft has one, at its middle",
+                shaft.title()
+            )),
+        }
         return Ok(None);
     }
+    if sections.is_none() && !bearings.is_empty() {
+        of.report.leave(format!(
+            "bearings of {}: the shaft has no sections that bend",
+            shaft.title()
+        ));
+    }
+    let bearings: Vec<StationTable> = match &sections {
+        Some(_) => {
+            let count = bearings.len();
+            of.report
+                .taken
+                .push(format!("{}: {count} bearings", shaft.title()));
+            bearings.into_iter().map(|b| b.station(names)).collect()
+        }
+        None => Vec::new(),
+    };
     // The torque of the rotor acts at the place of its first load.
     if let Some(load) = loads.first().filter(|_| torques[rotor] != 0.0) {
         stations.push(StationTable {
@@ -307,15 +338,38 @@ fn sections(
     Ok(Some(found.into_iter().map(table).collect()))
 }
 
-/// Bearings of a shaft on the housing, as bodies without inertia.
-fn bearings(
-    of: &mut Assembly<'_>,
+/// A bearing between a shaft and the housing.
+struct ShaftBearing<'m> {
+    component: &'m Component,
+    /// Place on the shaft [m].
+    place: f64,
+    springs: BearingTable,
+    /// Directions that it holds; `None` if it holds none.
+    directions: Option<DirectionTable>,
+}
+
+impl ShaftBearing<'_> {
+    /// A body without inertia at the place of the bearing.
+    fn station(self, names: &mut BTreeSet<String>) -> StationTable {
+        StationTable {
+            body: Some(name_of(self.component, names)),
+            at_m: self.place,
+            bearing: Some(self.springs),
+            directions: self.directions,
+            ..StationTable::default()
+        }
+    }
+}
+
+/// Bearings of a shaft on the housing.
+fn bearings<'m>(
+    of: &mut Assembly<'m>,
     shaft: &Component,
-    names: &mut BTreeSet<String>,
-) -> Result<Vec<StationTable>, SceneError> {
+) -> Result<Vec<ShaftBearing<'m>>, SceneError> {
     let mut found = Vec::new();
-    for side in of.model.relations_of("side") {
-        let part = |role: &str| side.role(role).and_then(|id| of.model.component(id));
+    let model = of.model;
+    for side in model.relations_of("side") {
+        let part = |role: &str| side.role(role).and_then(|id| model.component(id));
         let (Some(bearing), Some(outer)) = (part("assembly"), part("outer_part")) else {
             continue;
         };
@@ -327,42 +381,85 @@ fn bearings(
                 .leave(format!("{}: between two shafts", bearing.title()));
             continue;
         }
-        let radial = bearing.number(&key::RADIAL_STIFFNESS)?.filter(|k| *k > 0.0);
-        let axial = bearing.number(&key::AXIAL_STIFFNESS)?.filter(|k| *k > 0.0);
+        let (matrix, holds) = stiffness(of, bearing)?;
+        let is_diagonal = (0..6).all(|i| (0..6).all(|k| i == k || matrix[i][k] == 0.0));
+        let along = |k: usize| holds[k].then_some(Translation::Held);
+        let about = |k: usize| holds[k].then_some(Tilt::Held);
+        found.push(ShaftBearing {
+            component: bearing,
+            place: exact(needed(bearing, &key::BEARING_PLACE)?),
+            springs: BearingTable {
+                stiffness: is_diagonal.then(|| std::array::from_fn(|k| matrix[k][k])),
+                stiffness_matrix: (!is_diagonal).then_some(matrix),
+                ..BearingTable::default()
+            },
+            directions: holds.contains(&true).then(|| DirectionTable {
+                x: along(0),
+                y: along(1),
+                z: along(2),
+                tilt_x: about(3),
+                tilt_y: about(4),
+                tilt_z: None,
+            }),
+        });
+    }
+    Ok(found)
+}
+
+/// Stiffness matrix of a bearing and the directions that it holds rigidly, in the directions of a scene. The matrix in the
+/// operating point replaces radial, axial and tilting stiffness.
+fn stiffness(
+    of: &mut Assembly<'_>,
+    bearing: &Component,
+) -> Result<([[f64; 6]; 6], [bool; 6]), SceneError> {
+    let mut matrix = [[0.0; 6]; 6];
+    let mut is_given = false;
+    for (row, i) in OPERATING_STIFFNESS.iter().zip(STIFFNESS_DIRECTIONS) {
+        for (attribute, k) in row.iter().zip(STIFFNESS_DIRECTIONS) {
+            if let Some(x) = bearing.number(attribute)? {
+                (matrix[i][k], is_given) = (exact(x), true);
+            }
+        }
+    }
+    let carries_axial = bearing.text(&key::AXIAL_ABSORPTION) != Some("no_direction");
+    if !is_given {
+        let [radial, axial] = [&key::RADIAL_STIFFNESS, &key::AXIAL_STIFFNESS]
+            .map(|attribute| bearing.number(attribute));
+        let rigid = |k: Option<f64>| k.filter(|k| *k > 0.0).unwrap_or(f64::INFINITY);
+        let radial = rigid(radial?);
+        let axial = if carries_axial { rigid(axial?) } else { 0.0 };
         let tilting = bearing.number(&key::BENDING_STIFFNESS)?.unwrap_or(0.0);
-        let carries_axial = bearing.text(&key::AXIAL_ABSORPTION) != Some("no_direction");
-        let rigid = |k: Option<f64>| k.is_none_or(|k| k > RIGID);
-        if rigid(radial) {
+        if radial > RIGID {
             of.report
                 .assume("bearings without radial stiffness, or with more than 1e13 N/m, are rigid");
         }
-        let held = |is_held: bool| is_held.then_some(Translation::Held);
-        let [k, ka] = [radial, axial].map(|k| k.filter(|k| *k <= RIGID).unwrap_or(0.0));
-        let ka = if carries_axial { ka } else { 0.0 };
-        let stiffness = [k, k, ka, tilting, tilting, 0.0].map(exact);
-        found.push(StationTable {
-            body: Some(name_of(bearing, names)),
-            at_m: exact(needed(bearing, &key::BEARING_PLACE)?),
-            bearing: Some(BearingTable {
-                stiffness: Some(stiffness),
-                ..BearingTable::default()
-            }),
-            directions: Some(DirectionTable {
-                x: held(rigid(radial)),
-                y: held(rigid(radial)),
-                z: held(carries_axial && rigid(axial)),
-                tilt_x: None,
-                tilt_y: None,
-                tilt_z: None,
-            })
-            .filter(|d| d.x.is_some() || d.z.is_some()),
-            ..StationTable::default()
-        });
+        for (i, k) in [radial, radial, axial, tilting, tilting]
+            .into_iter()
+            .enumerate()
+        {
+            matrix[i][i] = k;
+        }
     }
-    of.report
-        .taken
-        .push(format!("{}: {} bearings", shaft.title(), found.len()));
-    Ok(found)
+    let holds = std::array::from_fn(|i| matrix[i][i] > RIGID);
+    let largest = matrix.iter().flatten().filter(|k| k.is_finite());
+    let largest = largest.fold(0.0_f64, |most, k| most.max(k.abs()));
+    for i in 0..6 {
+        for k in 0..=i {
+            if (matrix[i][k] - matrix[k][i]).abs() > 1e-9 * largest {
+                let title = bearing.title();
+                of.report.assume(format!(
+                    "{title}: the symmetric part of its stiffness matrix"
+                ));
+            }
+            // A direction that is held has no spring.
+            let mean = match holds[i] || holds[k] {
+                true => 0.0,
+                false => exact(0.5 * (matrix[i][k] + matrix[k][i])),
+            };
+            (matrix[i][k], matrix[k][i]) = (mean, mean);
+        }
+    }
+    Ok((matrix, holds))
 }
 
 /// The carrier of a planetary stage.

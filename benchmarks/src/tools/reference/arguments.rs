@@ -6,6 +6,8 @@ use std::path::PathBuf;
 
 /// Bound on the processor time of one integration [s]: references take their time.
 const PATIENT: f64 = 3600.0;
+/// Default number of digits, as in other CSV files.
+const DIGITS: u8 = 10;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -66,6 +68,9 @@ pub struct Reference {
     /// CSV file to write
     #[arg(long, value_name = "FILE")]
     pub out: PathBuf,
+    /// Digits of the numbers of the file, up to 17, which lose nothing; times have 13 or more
+    #[arg(long, value_name = "N", default_value_t = DIGITS, value_parser = clap::value_parser!(u8).range(6..=17))]
+    pub digits: u8,
     /// Overwrite an existing file even if this command did not write it
     #[arg(long)]
     pub force: bool,

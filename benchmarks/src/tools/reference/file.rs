@@ -14,6 +14,9 @@ pub(super) struct Header<'a> {
     pub scene: &'a str,
 }
 
+/// Least number of digits of times.
+const TIME_DIGITS: usize = 13;
+
 /// Prefixes of the columns of a reference.
 const KEPT: [&str; 8] = [
     "hub_angle_",
@@ -26,8 +29,13 @@ const KEPT: [&str; 8] = [
     "mount_torque_",
 ];
 
-/// The text of a reference file.
-pub(super) fn text(header: &Header<'_>, spec: &SceneSpec, series: &TimeSeries) -> String {
+/// The text of a reference file, its numbers with so many digits.
+pub(super) fn text(
+    header: &Header<'_>,
+    spec: &SceneSpec,
+    series: &TimeSeries,
+    digits: usize,
+) -> String {
     let line = |text: &str| text.replace(['\n', '\r'], " ");
     let mut text = format!(
         "# title: {}\n# source: made by a model of gearbench {} (commit {}, {}), scene {}\n# command: {}\n# note: {}\n# contact forces are normal forces; conditions, by the keys of a scene:\n",
@@ -61,7 +69,7 @@ pub(super) fn text(header: &Header<'_>, spec: &SceneSpec, series: &TimeSeries) -
     let mut before = String::new();
     for i in 0..series.len() {
         // Of both sides of a jump the first stays: times ascend, also as they are printed.
-        let time = format!("{:.12e}", series.time_s[i]);
+        let time = format!("{:.*e}", TIME_DIGITS.max(digits) - 1, series.time_s[i]);
         if time == before {
             continue;
         }
@@ -69,7 +77,7 @@ pub(super) fn text(header: &Header<'_>, spec: &SceneSpec, series: &TimeSeries) -
         for (_, values) in &columns[1..] {
             text.push(',');
             if let Some(x) = values.get(i) {
-                text.push_str(&format!("{x:.9e}"));
+                text.push_str(&format!("{x:.*e}", digits - 1));
             }
         }
         text.push('\n');

@@ -111,7 +111,7 @@ pub fn run(context: &Context, args: &Reference, command: &str) -> Result<Command
         scene: &scene.name,
     };
     // Conditions of the scene are stated; a gap that belongs to the model is a property of the model.
-    let text = file::text(&header, &spec, &series);
+    let text = file::text(&header, &spec, &series, usize::from(args.digits));
     let fail = |path: &Path| {
         let path = path.display().to_string();
         move |e: std::io::Error| Refusal::Files(format!("{path}: {e}"))
