@@ -138,7 +138,7 @@ pub(super) fn frd(name: &str, bytes: &[u8]) -> Result<Shapes, MatrixError> {
     let mut inside = false;
     while let Some(line) = lines.next() {
         let text = line.text.as_ref();
-        match text.get(..5).unwrap_or(text).trim() {
+        match text.split_whitespace().next().unwrap_or_default() {
             "100C" | "100CL" => {
                 let modal = text.contains("MODAL");
                 let word = text.split_whitespace().nth(2).unwrap_or_default();

@@ -27,7 +27,8 @@ gear appended.";
 #[derive(Args, Clone, Debug)]
 #[command(after_help = EXAMPLES, mut_args = with_default)]
 pub struct Mesh {
-    /// Name of a shipped scene, path of a scene file (.toml), of a deck (.inp) or a mesh of Gmsh (.msh), also .gz
+    /// Name of a shipped scene, path of a scene file (.toml), of a deck (.inp), a mesh of Gmsh (.msh) or an archive of
+    /// Ansys (.cdb), also .gz
     #[arg(value_name = "SCENE|DECK")]
     pub input: String,
     /// Write a deck: F.inp, or F.cdb with --modal ansys
