@@ -3,7 +3,7 @@
 use super::*;
 
 /// Number of mutated files of each format without `GEARBENCH_MATRIX_FILES`.
-const FILES: usize = 300;
+const FILES: usize = 100;
 
 /// A sequence of numbers that is the same in every run (SplitMix64).
 struct Random(u64);
