@@ -24,14 +24,14 @@ mkdir -p "$work"
 cd "$work"
 export GEARBENCH_CACHE=off
 
-# Mesh `fine` is that of the model `elastic` (C3D8), mesh `quadratic` has C3D20R. The C3D8I of CalculiX has coordinates and a
+# Mesh `fine` is that of the model `elastic` (C3D8), mesh `own` is generated (C3D8). The C3D8I of CalculiX has coordinates and a
 # mass of its own and is another element than that of gearbench: its frequencies are compared alone.
 "$program" mesh "$root/reference/calculix/case-a-fine/AF8_d05.inp.gz" --modal calculix --force --out fine.inp
-"$program" mesh spur_impact --element C3D20R --flank 4 --fillet 2 --across 3 --layers 1 --rim 2 --width 1 --modal calculix \
-  --force --out quadratic.inp
+"$program" mesh spur_impact --element C3D8 --flank 6 --fillet 2 --across 4 --layers 1 --rim 2 --width 1 --modal calculix \
+  --force --out own.inp
 "$program" mesh spur_impact --gear pinion --element C3D8I --flank 4 --fillet 2 --across 4 --layers 1 --rim 2 --width 2 \
   --modal calculix --modes 20 --force --out inner.inp
-decks="fine-gear1 fine-gear2 quadratic-pinion quadratic-wheel"
+decks="fine-gear1 fine-gear2 own-pinion own-wheel"
 for deck in $decks inner; do
   if [ -s "$deck.mas" ] && cmp -s "$deck.inp" "$deck.solved"; then continue; fi
   echo "CalculiX: $deck"
@@ -60,7 +60,7 @@ duration_s = 0.16e-3
 print(text[text.index("[gears.pinion]"):text.index("[[models]]")])
 for mesh, names, contact in [
     ("fine", ["gear1", "gear2"], 'penalty_pa_per_m = 1e15, surface = "faceted", passes = "first"'),
-    ("quadratic", ["pinion", "wheel"], 'local = "half-space"'),
+    ("own", ["pinion", "wheel"], 'local = "half-space"'),
 ]:
     for data in ["gearbench", "matrices", "shapes"]:
         gears = "".join(

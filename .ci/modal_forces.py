@@ -27,7 +27,7 @@ def force(folder, label):
 def forces(folder):
     """The table of forces, and the largest difference with matrices of CalculiX."""
     rows, worst = ["mesh,data,instants,peak_n,largest_difference_over_peak"], 0.0
-    for mesh in ["fine", "quadratic"]:
+    for mesh in ["fine", "own"]:
         times, own = force(folder, f"{mesh}-gearbench")
         peak = max(abs(f) for f in own)
         for data in ["matrices", "shapes"]:
