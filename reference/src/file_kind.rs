@@ -47,8 +47,8 @@ pub const KINDS: &[FileKind] = &[
         way_out: "`gearbench compare F.toml` runs it",
     },
     FileKind {
-        endings: &["inp", "inp.gz", "msh", "msh.gz"],
-        name: "a mesh (deck of Abaqus or CalculiX, or mesh of Gmsh)",
+        endings: &["inp", "inp.gz", "msh", "msh.gz", "cdb", "cdb.gz"],
+        name: "a mesh (deck of Abaqus or CalculiX, mesh of Gmsh, or archive of Ansys)",
         read_as: &[Input::Mesh],
         way_out: "`gearbench reduce F.inp` reduces its gears; elastic gears of a scene use it by `parameters = { mesh = \"F.inp\" }`",
     },
@@ -112,13 +112,19 @@ pub const KINDS: &[FileKind] = &[
         endings: &["frd"],
         name: "a result of CalculiX",
         read_as: &[],
-        way_out: "`gearbench reduce` reads its deck (.inp); write histories to a CSV file, the reference of a scene: reference = { csv = \"F.csv\" }",
+        way_out: "`gearbench reduce` reads its deck (.inp), and by --shapes the modes in this file; write histories to a CSV file, the reference of a scene: reference = { csv = \"F.csv\" }",
     },
     FileKind {
-        endings: &["rst", "rth", "db", "cdb", "wbpj", "mechdb"],
-        name: "a database, mesh or result of Ansys",
+        endings: &["sti", "mas", "dof", "mtx", "hb", "mapping"],
+        name: "a matrix of another program",
         read_as: &[],
-        way_out: converted!(),
+        way_out: "`gearbench reduce DECK --matrices FILE` reduces the gear of its deck with it",
+    },
+    FileKind {
+        endings: &["rst", "rth", "db", "wbpj", "mechdb", "full", "emat", "sub"],
+        name: "a database or result of Ansys",
+        read_as: &[],
+        way_out: "write the mesh as an archive (CDWRITE,DB,F,cdb) and run `gearbench reduce F.cdb`; HBMAT writes matrices as text",
     },
     FileKind {
         endings: &["bdf", "nas", "op2", "f06", "pch"],
@@ -191,7 +197,7 @@ impl FileKind {
         let stem = path.with_extension("").display().to_string();
         let mut text = self.way_out.to_owned();
         let own = |ending: &str| self.endings.contains(&ending);
-        let examples = ["toml", "inp", "msh", "csv", "npz", "step"];
+        let examples = ["toml", "inp", "msh", "cdb", "csv", "npz", "step"];
         for ending in examples {
             let with = match own(ending) {
                 true => name.clone(),

@@ -6,6 +6,7 @@
 //! | [`deck`] | Abaqus and CalculiX decks and meshes of Gmsh: reading, checking, writing |
 //! | `element`, [`assembly`] | element matrices, sparse stiffness and mass, the bore tied to the hub |
 //! | [`solve`], [`modes`] | sparse Cholesky; eigenmodes by Lanczos and by cyclic symmetry |
+//! | [`matrices`] | stiffness, mass and mode shapes that other programs wrote |
 //! | [`reduction`] | modes, static compliance and their reduction to the data of the elastic gear |
 //! | [`statics`] | loaded tooth contact: load sharing, mesh stiffness, transmission error |
 //! | `mesh_source` | where a model of finite elements takes its mesh from: its parameters |
@@ -34,6 +35,7 @@ pub mod full_order;
 mod groups;
 pub mod hash;
 pub mod limits;
+pub mod matrices;
 pub mod mesh;
 mod mesh_source;
 pub mod modes;

@@ -25,7 +25,7 @@ use gearbench_models::spec::Body as Toothing;
 declare_parameters! {
     /// Parameters of the source of a mesh.
     pub struct MeshParameters {
-        /// "generated" (default), a stored reference such as "calculix/case-a-fine", or a path of a deck (.inp) or a mesh of Gmsh (.msh), also .gz
+        /// "generated" (default), a stored reference such as "calculix/case-a-fine", or a path of a deck (.inp), a mesh of Gmsh (.msh) or an archive of Ansys (.cdb), also .gz
         mesh: String,
         /// "C3D8" or "C3D8I" (default for generated meshes); a deck brings its own
         element: String,

@@ -326,7 +326,9 @@ fn model(
 /// Path of a deck or reduction relative to the folder of the scene file; other text unchanged.
 fn from_folder(text: &str, folder: Option<&Path>) -> String {
     let name = text.to_ascii_lowercase();
-    let ends = [".inp", ".inp.gz", ".msh", ".msh.gz", ".npz"];
+    let ends = [
+        ".inp", ".inp.gz", ".msh", ".msh.gz", ".cdb", ".cdb.gz", ".npz",
+    ];
     let is_path = ends.iter().any(|e| name.ends_with(e));
     let beside = folder.filter(|_| is_path).map(|f| f.join(text));
     match beside.filter(|p| p.is_file()) {

@@ -371,6 +371,8 @@ def mesh(
     *,
     progress: Progress | None = ...,
     out: Text | float | bool | Sequence[Any] | None = ...,
+    modal: Text | float | bool | Sequence[Any] | None = ...,
+    modes: int | None = ...,
     vtu: Text | float | bool | Sequence[Any] | None = ...,
     force: bool | None = ...,
     gear: Text | float | bool | Sequence[Any] | None = ...,

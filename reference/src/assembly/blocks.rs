@@ -53,6 +53,30 @@ impl Pattern {
         Pattern { starts, columns }
     }
 
+    /// The pattern of pairs of nodes, in any order and any number of times; each node is its own neighbour.
+    ///
+    /// # Panics
+    /// If a pair has a node beyond `nodes`.
+    pub(crate) fn of_pairs(nodes: usize, mut pairs: Vec<(u32, u32)>) -> Self {
+        pairs.extend((0..nodes as u32).map(|n| (n, n)));
+        for (a, b) in &mut pairs {
+            (*a, *b) = (*a.min(b), *a.max(b));
+        }
+        pairs.sort_unstable();
+        pairs.dedup();
+        let mut starts = vec![0; nodes + 1];
+        for (row, _) in &pairs {
+            starts[*row as usize + 1] += 1;
+        }
+        for i in 0..nodes {
+            starts[i + 1] += starts[i];
+        }
+        Pattern {
+            starts,
+            columns: pairs.into_iter().map(|(_, column)| column).collect(),
+        }
+    }
+
     /// Returns the number of nodes.
     pub fn nodes(&self) -> usize {
         self.starts.len() - 1
@@ -237,6 +261,35 @@ impl<E: Entry> NodalMatrix<E> {
             for i in 0..3 {
                 yr[i] += sum[i];
             }
+        }
+    }
+}
+
+impl BlockMatrix {
+    /// Adds a value at a pair of coordinates `3 node + axis`, the lower one first, and at its mirror.
+    ///
+    /// # Panics
+    /// If the pair of nodes is not in the pattern.
+    pub(crate) fn add_coordinates(&mut self, [low, high]: [u32; 2], value: f64) {
+        let (row, column) = (low / 3, high / 3);
+        let (i, j) = (low as usize % 3, high as usize % 3);
+        let block = &mut self.entries[self.pattern.place(row, column)];
+        block[3 * i + j] += value;
+        if row == column && i != j {
+            block[3 * j + i] += value;
+        }
+    }
+
+    /// Replaces each block by a function of it.
+    pub(crate) fn map(&mut self, f: impl Fn(&[f64; 9]) -> [f64; 9]) {
+        self.entries.iter_mut().for_each(|e| *e = f(e));
+    }
+
+    /// The matrix of a number of each block.
+    pub(crate) fn scalars(&self, f: impl Fn(&[f64; 9]) -> f64) -> ScalarMatrix {
+        NodalMatrix {
+            pattern: self.pattern.clone(),
+            entries: self.entries.iter().map(f).collect(),
         }
     }
 }

@@ -1,11 +1,11 @@
-//! Abaqus and CalculiX decks (`.inp`) and meshes of Gmsh (`.msh`): reading, checking, writing.
+//! Abaqus and CalculiX decks (`.inp`), meshes of Gmsh (`.msh`) and archives of Ansys (`.cdb`): reading, checking, writing.
 //!
 //! | part | owns |
 //! |---|---|
 //! | [`read`], [`read_str`] | a deck as it stands: [`Deck`]; what is not known is declined with its line |
 //! | [`gears`] | its toothed bodies as [`GearMesh`](crate::mesh::GearMesh), each in its own frame |
 //! | [`check_gtm`] | what a deck lacks for the preprocessing of elastic gears |
-//! | [`write`](write()), [`write_impact`] | a gear, or two in contact, as a deck that CalculiX runs |
+//! | [`write`](write()), [`write_impact`] | a gear for CalculiX, Abaqus or Ansys, or two in contact for CalculiX |
 //!
 //! The reader supports the parts of a deck that define a body (solid elements, parts and their instances, sets,
 //! surfaces, isotropic materials) and those of an impact of gears: rigid bores, linear penalty contact, initial
@@ -13,6 +13,7 @@
 //! that would are declined with their line ([`Deck::told`]). The syntax follows the manuals of Abaqus (keywords) and
 //! CalculiX CrunchiX 2.20 (input deck format).
 
+mod cdb;
 mod data;
 mod error;
 mod gears;
@@ -27,13 +28,16 @@ pub use data::{
     Boundary, ContactKind, ContactPair, Deck, DeckMaterial, ElementBlock, InitialVelocity,
     Interaction, Label, Labels, NonlinearProperty, Procedure, RigidBody, Section, Step, Target,
 };
+pub(crate) use error::quote;
 pub use error::{DeckError, DeckErrorKind, Place};
 pub use gears::{BodyShape, DeckGear, gears, gears_known, gears_with};
 pub use gtm::{Finding, GtmRequirement, check_gtm};
 pub use lexer::{MAX_DECK_BYTES, MAX_INCLUDE_DEPTH, MAX_INCLUDES, MAX_LINE_BYTES, Resolver};
 
 pub use units::Units;
-pub use writer::{GearDeck, Hub, Impact, ImpactGear, WriteError, write, write_impact};
+pub use writer::{
+    GearDeck, Hub, Impact, ImpactGear, ModalProgram, ModalRun, WriteError, write, write_impact,
+};
 
 use crate::resources::Resources;
 use crate::{files, limits};
@@ -41,8 +45,8 @@ use std::borrow::Cow;
 use std::io::{self, Read};
 use std::path::Path;
 
-/// Reads a deck from a file: `.inp`, or a mesh of Gmsh `.msh`, text or binary, distinguished by their first bytes,
-/// both optionally compressed by gzip. Includes are relative to the folder of the including file. All data are
+/// Reads a deck from a file: `.inp`, a mesh of Gmsh `.msh`, text or binary, or an archive of Ansys `.cdb`, distinguished
+/// by their content, all optionally compressed by gzip. Includes are relative to the folder of the including file. All data are
 /// converted to SI units, from those that are determined ([`Deck::units_from`]).
 pub fn read(path: impl AsRef<Path>) -> Result<Deck, DeckError> {
     read_in(path, None)
@@ -86,9 +90,10 @@ fn read_bytes_in(
     units: Option<Units>,
     resolver: &mut Resolver<'_>,
 ) -> Result<Deck, DeckError> {
-    match msh::is_msh(bytes) {
-        true => msh::read(name, bytes, units),
-        false => reader::read(name, &String::from_utf8_lossy(bytes), units, resolver),
+    match () {
+        () if msh::is_msh(bytes) => msh::read(name, bytes, units),
+        () if cdb::is_cdb(bytes) => cdb::read(name, bytes, units),
+        () => reader::read(name, &String::from_utf8_lossy(bytes), units, resolver),
     }
 }
 

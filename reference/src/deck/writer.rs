@@ -1,14 +1,18 @@
-//! Writer of decks for CalculiX and Abaqus: one gear, or an impact of two.
+//! Writer of decks: one gear for CalculiX, Abaqus or Ansys, or an impact of two for CalculiX.
 //!
 //! Output is a function of the input alone. Positions are printed in fixed notation with the shortest digits
 //! that give the same bits back (17 at most): [`read_str`](super::read_str) returns the mesh bit for bit.
 //! CalculiX looks at the first 20 characters of a number only; fixed notation loses less than 1e-16 m there,
 //! where an exponent cut off would be wrong by orders.
 
+mod apdl;
 mod from_deck;
 mod impact;
+mod modal;
 
+pub(super) use apdl::kind as ansys_kind;
 pub use impact::{Hub, Impact, ImpactGear, write_impact};
+pub use modal::{ModalProgram, ModalRun};
 
 use super::gears::surface_faces;
 use crate::mesh::{Face, GearMesh, letter};
@@ -51,18 +55,25 @@ pub enum WriteError {
 pub struct GearDeck {
     /// Text under `*HEADING`.
     pub title: String,
-    /// Number of modes of a frequency step with fixed bore; `None` writes no step.
-    pub modes: Option<u32>,
+    /// Steps that write matrices and modes; `None` writes the body alone.
+    pub modal: Option<ModalRun>,
 }
 
 /// Writes a gear in its own frame as a deck: nodes, elements (set `gear`), node sets `bore` and `flank_1l`, ...,
-/// surfaces `sflank_1l`, ..., material and section.
+/// surfaces `sflank_1l`, ..., material and section; for Ansys nodes, elements, components of nodes and material.
 pub fn write(
     out: &mut dyn Write,
     gear: &GearMesh,
     material: &Material,
     options: &GearDeck,
 ) -> Result<(), WriteError> {
+    if let Some(run) = options
+        .modal
+        .as_ref()
+        .filter(|r| r.program == ModalProgram::Ansys)
+    {
+        return apdl::write(out, gear, material, &options.title, run);
+    }
     heading(out, &options.title)?;
     let gear = NumberedGear {
         gear,
@@ -72,12 +83,8 @@ pub fn write(
     };
     gear.mesh(out, &|x| x)?;
     materials(out, &[*material], &["gear"])?;
-    if let Some(modes) = options.modes {
-        writeln!(
-            out,
-            "*BOUNDARY\nbore, 1, 3\n*STEP\n*FREQUENCY, SOLVER=SPOOLES\n{modes}"
-        )?;
-        writeln!(out, "*NODE FILE\nU\n*END STEP")?;
+    if let Some(run) = &options.modal {
+        run.write(out)?;
     }
     Ok(())
 }

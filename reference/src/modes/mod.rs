@@ -6,6 +6,7 @@
 //! |---|---|
 //! | [`lowest`] | lowest modes of any symmetric pair, [`Options`], [`Modes`], the count that proves none is missing |
 //! | `lanczos` | the iteration, for real and Hermitian matrices |
+//! | `ritz` | modes within the span of given shapes |
 //! | [`cyclic`] | modes of a whole gear from one tooth sector |
 //!
 //! A body free in the mount has modes of zero frequency; a shift below zero keeps the factor positive definite.
@@ -13,11 +14,13 @@
 pub mod cyclic;
 mod dense;
 mod lanczos;
+mod ritz;
 mod symmetric;
 #[cfg(test)]
 mod tests;
 
 pub use lanczos::{Report, Target};
+pub(crate) use ritz::ritz;
 pub use symmetric::Symmetric;
 
 use crate::assembly::tie::Reduced;

@@ -18,17 +18,22 @@ mod cyclic;
 
 use super::error::ReductionError;
 use super::integrals::Moments;
+use super::mounting::field;
 use super::rigid::{self, ModeMotion, RigidMass};
 use super::surface::Surface;
 use super::{Basis, ModeSelection, Mounting, compliance, integrals, near_field};
 use crate::assembly::tie::{MassKind, Tie};
 use crate::assembly::{Assembly, assemble};
 use crate::limits;
+use crate::matrices::ForeignBody;
 use crate::mesh::GearMesh;
 use crate::modes::cyclic::{Hub, Sector};
 use crate::modes::{self, Options, Target};
 use crate::vector::dot;
 use cyclic::{cyclic_momentum, cyclic_shape};
+use faer::prelude::Solve;
+use faer::{Mat, MatRef};
+use gearbench_models::Vec3;
 use gearbench_models::gear::elastic::inertia::Integrals;
 use gearbench_models::gear::elastic::reduced::{OutOfPlaneShapes, Residual};
 use gearbench_models::stiffness::Material;
@@ -65,6 +70,43 @@ struct Shape {
     moved: ModeMotion,
 }
 
+/// The rigid motions of the hub and foreign shapes over the coordinates of a tie: their span is that of the modes.
+///
+/// The hub moves as the bore of a shape does on average. Held modes and rigid motions are the basis of W. C. Hurty 1965
+/// and of R. R. Craig, M. C. C. Bampton 1968.
+fn span(shapes: MatRef<'_, f64>, tie: &Tie, mounting: &Mounting, nodes: &[Vec3]) -> Mat<f64> {
+    let motions = mounting.motions();
+    let fields: Vec<Vec<f64>> = motions.iter().map(|m| field(*m, nodes)).collect();
+    let held: Vec<usize> = (0..nodes.len())
+        .filter(|n| tie.place[*n] == Tie::HELD)
+        .flat_map(|n| 3 * n..3 * n + 3)
+        .collect();
+    let count = motions.len();
+    let sum = |a: &dyn Fn(usize) -> f64, b: &dyn Fn(usize) -> f64| -> f64 {
+        held.iter().map(|i| a(*i) * b(*i)).sum()
+    };
+    let gram = Mat::from_fn(count, count, |p, q| {
+        sum(&|i| fields[p][i], &|i| fields[q][i])
+    });
+    let right = Mat::from_fn(count, shapes.ncols(), |p, mode| {
+        sum(&|i| fields[p][i], &|i| shapes[(i, mode)])
+    });
+    let hub = match count {
+        0 => right,
+        _ => gram.partial_piv_lu().solve(right),
+    };
+    let free = 3 * tie.free.len();
+    Mat::from_fn(tie.coordinates(), count + shapes.ncols(), |row, column| {
+        let node = |row: usize| 3 * tie.free[row / 3] as usize + row % 3;
+        match (row < free, column < count) {
+            (true, true) => fields[column][node(row)],
+            (false, true) => f64::from(u8::from(row - free == column)),
+            (true, false) => shapes[(node(row), column - count)],
+            (false, false) => hub[(row - free, column - count)],
+        }
+    })
+}
+
 /// Modes of a gear by its whole mesh.
 pub fn of_mesh(
     mesh: &GearMesh,
@@ -72,6 +114,7 @@ pub fn of_mesh(
     mounting: &Mounting,
     wanted: ModeSelection,
     along_profile: bool,
+    foreign: Option<&ForeignBody>,
 ) -> Result<Basis, ReductionError> {
     let nodes = Surface::new(mesh)?;
     let nodes = match along_profile {
@@ -80,29 +123,42 @@ pub fn of_mesh(
     };
     compliance::check_whole(&nodes)?;
     check_shapes(&nodes, wanted, 3 * mesh.mesh.nodes.len())?;
-    let assembly = assemble(&mesh.mesh, material)?;
+    let own;
+    let assembly = match foreign.and_then(|f| f.assembly.as_ref()) {
+        Some(assembly) => assembly,
+        None => {
+            own = assemble(&mesh.mesh, material)?;
+            &own
+        }
+    };
     let motions = mounting.motions();
     let tie = Tie::new(&mesh.mesh.nodes, &mesh.bore, &motions);
     let added = mounting.added_in_motions();
-    let reduced = tie.reduce(&assembly, &added, MassKind::Consistent);
+    let reduced = tie.reduce(assembly, &added, MassKind::Consistent);
     let rigid = mounting.rigid(&mesh.mesh.nodes);
     let mut pull = vec![0.0; rigid.len()];
     assembly.mass.apply(&rigid, &mut pull);
     let inertia = mounting.added_inertia + dot(&rigid, &pull);
-    let residual = compliance::of_assembly(mesh, &assembly, &nodes, mounting)?;
-    let masses = nodal_masses(&assembly);
+    let residual = compliance::of_assembly(mesh, assembly, &nodes, mounting)?;
+    let masses = nodal_masses(assembly);
     let mut unbalance = [0.0; 2];
     for (x, m) in mesh.mesh.nodes.iter().zip(&masses) {
         unbalance[0] += m * x.x;
         unbalance[1] += m * x.y;
     }
-    let mass = assembly.mass;
+    let mass = &assembly.mass;
 
     let target = wanted.target(motions.len(), tie.coordinates());
-    let found = modes::find(&reduced, target, &Options::default())?;
+    let found = match foreign.and_then(|f| f.shapes.as_ref()) {
+        Some(shapes) => {
+            let span = span(shapes.as_ref(), &tie, mounting, &mesh.mesh.nodes);
+            modes::ritz(&reduced, span.as_ref(), target)?
+        }
+        None => modes::find(&reduced, target, &Options::default())?,
+    };
     let skip = motions.len();
     let lateral = (mounting.is_lateral())
-        .then(|| rigid::MeshRigidMotions::new(mounting, &mesh.mesh.nodes, &mass));
+        .then(|| rigid::MeshRigidMotions::new(mounting, &mesh.mesh.nodes, mass));
     // A mode over the coordinates of the tie, and at all nodes.
     let expand = |mode: usize, full: &mut [f64]| -> Vec<f64> {
         let mut vector: Vec<f64> = found.vectors.col(mode).iter().copied().collect();
@@ -140,7 +196,7 @@ pub fn of_mesh(
             expand(skip + mode, u);
         };
         let modes = found.omega2.len() - skip;
-        integrals::of_mesh(&mass, &mesh.mesh.nodes, modes, of_mode)
+        integrals::of_mesh(mass, &mesh.mesh.nodes, modes, of_mode)
     };
     let near_field = near_field::of_flanks(mesh, material, &nodes)?;
     let body = Body {
@@ -149,7 +205,7 @@ pub fn of_mesh(
         unknowns: tie.coordinates(),
         near_field,
         lateral: (mounting.is_lateral())
-            .then(|| rigid::body(&Moments::of(&mass, &mesh.mesh.nodes), mounting)),
+            .then(|| rigid::body(&Moments::of(mass, &mesh.mesh.nodes), mounting)),
     };
     finish(nodes, mounting, body, shapes, (residual, integrals))
 }

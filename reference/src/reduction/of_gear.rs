@@ -37,6 +37,7 @@ impl GearReductionInput {
             mounting: self.mounting,
             wanted,
             along_profile: self.slides,
+            foreign: None,
         }
     }
 }

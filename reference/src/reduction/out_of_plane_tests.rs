@@ -23,7 +23,7 @@ fn floating(mounting: Mounting, free: [bool; 6], mass: f64, tilting: f64) -> Mou
 }
 
 fn of_mesh(mesh: &GearMesh, mounting: &Mounting, wanted: ModeSelection) -> Basis {
-    basis::of_mesh(mesh, &STEEL, mounting, wanted, false).unwrap()
+    basis::of_mesh(mesh, &STEEL, mounting, wanted, false, None).unwrap()
 }
 
 fn lateral(b: &Basis) -> &OutOfPlaneShapes {

@@ -45,7 +45,8 @@ fn with_all_modes_reactions_are_those_of_the_held_nodes() {
         let found = modes::lowest(&r, all, &Options::default()).unwrap();
         let rigid = usize::from(free);
         let wanted = ModeSelection::Count(all - rigid);
-        let basis = basis::of_mesh(&mesh, &Material::STEEL, &mounting, wanted, false).unwrap();
+        let basis =
+            basis::of_mesh(&mesh, &Material::STEEL, &mounting, wanted, false, None).unwrap();
         let kept: Vec<usize> = (0..all - rigid).collect();
         let data = choose::reduced(&basis, &kept, &ModalDamping::default(), false).unwrap();
 

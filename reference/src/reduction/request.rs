@@ -4,6 +4,7 @@ use super::store::SCHEMA;
 use super::{Basis, ModeSelection, Mounting, ReductionError, basis};
 use crate::assembly::tie::HubMotion;
 use crate::hash::Hash;
+use crate::matrices::ForeignBody;
 use crate::mesh::GearMesh;
 use gearbench_models::stiffness::Material;
 
@@ -26,6 +27,8 @@ pub struct Request<'a> {
     pub wanted: ModeSelection,
     /// Flank nodes also move along the profile, where friction loads them.
     pub along_profile: bool,
+    /// Matrices and mode shapes of another program in place of own ones; for whole meshes.
+    pub foreign: Option<&'a ForeignBody>,
 }
 
 impl Request<'_> {
@@ -120,22 +123,25 @@ impl Request<'_> {
         if self.along_profile {
             h.text("along the profile");
         }
+        if let Some(foreign) = self.foreign {
+            h.text("foreign");
+            h.hash(foreign.hash);
+        }
         h
     }
 
     /// Computes the basis of the request.
     pub fn compute(&self) -> Result<Basis, ReductionError> {
-        let route = match self.sector {
-            true => basis::of_sector,
-            false => basis::of_mesh,
-        };
-        let along_profile = self.along_profile;
-        route(
-            self.mesh,
-            &self.material,
-            &self.mounting,
-            self.wanted,
-            along_profile,
-        )
+        let (mesh, material, mounting) = (self.mesh, &self.material, &self.mounting);
+        let (wanted, along_profile) = (self.wanted, self.along_profile);
+        match (self.sector, self.foreign) {
+            (true, None) => basis::of_sector(mesh, material, mounting, wanted, along_profile),
+            (false, foreign) => {
+                basis::of_mesh(mesh, material, mounting, wanted, along_profile, foreign)
+            }
+            (true, Some(_)) => Err(ReductionError::Mismatch(
+                "matrices of another program belong to a whole mesh, not to a sector".into(),
+            )),
+        }
     }
 }

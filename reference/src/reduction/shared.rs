@@ -157,6 +157,7 @@ mod tests {
         let sector = mesh::sector(&stub(8, 0.0), &coarse(1, 1)).unwrap();
         let request = Request {
             along_profile: false,
+            foreign: None,
             mesh: &sector,
             sector: true,
             material: Material::STEEL,

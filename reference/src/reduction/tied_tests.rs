@@ -18,6 +18,7 @@ fn found(mesh: &Mesh) -> GearMesh {
 fn basis(mesh: &GearMesh) -> Basis {
     let request = Request {
         along_profile: false,
+        foreign: None,
         mesh,
         sector: false,
         material: Material::STEEL,

@@ -39,6 +39,7 @@ impl Elements<'_> {
         let mesh = mesh::sector(gear, &params(flank)).unwrap();
         let basis = Request {
             along_profile: false,
+            foreign: None,
             mesh: &mesh,
             sector: true,
             material,

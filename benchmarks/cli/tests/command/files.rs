@@ -24,7 +24,8 @@ fn files_of_other_programs_are_named_for_what_they_are() {
             &["Abaqus", "Write Input", "gearbench reduce part.inp"],
         ),
         ("part.odb", &["Abaqus"]),
-        ("part.cdb", &["Ansys", "meshio"]),
+        ("part.cdb", &["is a mesh", "gearbench reduce part.cdb"]),
+        ("part.rst", &["Ansys", "CDWRITE", "gearbench reduce part.cdb"]),
         ("part.bdf", &["Nastran", "meshio"]),
         ("part.vtu", &["ParaView", "gearbench reduce part.inp"]),
         (

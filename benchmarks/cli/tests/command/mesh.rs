@@ -103,3 +103,70 @@ fn meshes_that_cannot_be_made_are_refused_and_nothing_is_written() {
     folder.ends("mesh spur_impact --gear pinion --out nowhere/x.inp", 2);
     folder.refuses("mesh broken.inp --out broken.inp", &["is an input"]);
 }
+
+/// Decks with a modal analysis for three programs: gearbench reads them again, and the body is the same.
+#[test]
+fn modal_decks_write_matrices_and_modes() {
+    let folder = Folder::new();
+    let sizes = "--gear pinion --flank 3 --fillet 2 --across 4 --layers 1 --rim 1 --width 1";
+    for (program, file, words) in [
+        (
+            "calculix",
+            "c.inp",
+            [
+                "*FREQUENCY, SOLVER=SPOOLES\n30\n",
+                "OP=NEW\n*FREQUENCY, SOLVER=MATRIXSTORAGE",
+            ],
+        ),
+        (
+            "abaqus",
+            "a.inp",
+            ["*MATRIX GENERATE, STIFFNESS, MASS", "FORMAT=MATRIX INPUT"],
+        ),
+        (
+            "ansys",
+            "my-job.cdb",
+            [
+                "MODOPT,LANB,30",
+                "HBMAT,my_job_stiff,hb,,ASCII,STIFF,NO,YES",
+            ],
+        ),
+    ] {
+        folder.says(&format!(
+            "mesh spur_impact {sizes} --modal {program} --modes 30 --out {file}"
+        ));
+        has(&folder.read(file), &words);
+        // A second time: the file is one of this command.
+        folder.says(&format!(
+            "mesh spur_impact {sizes} --modal {program} --modes 30 --out {file}"
+        ));
+    }
+    let read = |file: &str| {
+        let deck = gearbench_reference::deck::read(folder.at(file)).unwrap();
+        gearbench_reference::deck::gears(&deck)
+            .unwrap()
+            .swap_remove(0)
+    };
+    let [a, b, c] = ["c.inp", "a.inp", "my-job.cdb"].map(read);
+    assert!(a.mesh.mesh.nodes == c.mesh.mesh.nodes && a.mesh.mesh == b.mesh.mesh);
+    assert!(a.mesh.mesh.blocks == c.mesh.mesh.blocks && a.mesh.flanks == c.mesh.flanks);
+    has(
+        &folder.says("mesh my-job.cdb"),
+        &["C3D8I", "no file was written"],
+    );
+    let cases: [(&str, &[&str]); 4] = [
+        ("--modal ansys --out p.inp", &["--out p.inp", "end in .cdb"]),
+        (
+            "--modal calculix --sector --out p.inp",
+            &["whole gear", "remove --sector"],
+        ),
+        ("--modal nastran", &["calculix, abaqus, ansys"]),
+        ("--modes 30", &["--modal"]),
+    ];
+    for (arguments, words) in cases {
+        folder.refuses(
+            &format!("mesh spur_impact --gear pinion {arguments}"),
+            words,
+        );
+    }
+}

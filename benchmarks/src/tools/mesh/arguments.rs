@@ -1,7 +1,7 @@
 //! Arguments of `mesh`.
 
 use clap::{Arg, Args};
-use gearbench_reference::deck::Units;
+use gearbench_reference::deck::{ModalProgram, Units};
 use gearbench_reference::mesh::GearMeshParams;
 use std::path::PathBuf;
 
@@ -12,10 +12,14 @@ Examples:
   gearbench mesh spur_impact --flank 20 --fine-teeth 1,2,20 --out fine.inp --vtu fine.vtu
   gearbench mesh my_scene.toml --element C3D20R --sector --out sector.inp
   gearbench mesh old_deck.inp --vtu old_deck.vtu         quality of the mesh of another program
+  gearbench mesh my_scene.toml --gear wheel --modal calculix --out wheel.inp      then: ccx wheel
+  gearbench mesh my_scene.toml --gear wheel --modal ansys --modes 50 --out wheel.cdb
 
 A deck contains one gear in its own frame, with the axis along z, tooth 1 on +x, and lengths in metres. Its node sets
 are bore, flank_1l, flank_1r, ... (l is the counter-clockwise flank of a tooth, in internal gears the clockwise one,
-so that flanks with the same letter mesh); its surfaces are sflank_1l, ... A sector also has the sets cut_low and
+so that flanks with the same letter mesh); its surfaces are sflank_1l, ... With --modal, the deck also has the steps
+that write stiffness and mass of the unconstrained gear and modes with fixed bore; `gearbench reduce DECK --matrices`
+reads the matrices, and docs/modal.md describes the programs. A sector also has the sets cut_low and
 cut_high: node i of one is node i of the other rotated by one pitch. For several gears, each file has the name of its
 gear appended.";
 
@@ -23,12 +27,19 @@ gear appended.";
 #[derive(Args, Clone, Debug)]
 #[command(after_help = EXAMPLES, mut_args = with_default)]
 pub struct Mesh {
-    /// Name of a shipped scene, path of a scene file (.toml), of a deck (.inp) or a mesh of Gmsh (.msh), also .gz
+    /// Name of a shipped scene, path of a scene file (.toml), of a deck (.inp), a mesh of Gmsh (.msh) or an archive of
+    /// Ansys (.cdb), also .gz
     #[arg(value_name = "SCENE|DECK")]
     pub input: String,
-    /// Write a deck
+    /// Write a deck: F.inp, or F.cdb with --modal ansys
     #[arg(long, value_name = "F.inp")]
     pub out: Option<PathBuf>,
+    /// Add a modal analysis and the output of its matrices for a program: calculix, abaqus or ansys
+    #[arg(long, value_name = "PROGRAM", value_parser = program)]
+    pub modal: Option<ModalProgram>,
+    /// Number of modes of the modal analysis [default: 100]
+    #[arg(long, value_name = "N", requires = "modal", value_parser = clap::value_parser!(u32).range(1..=5000))]
+    pub modes: Option<u32>,
     /// Write a file for ParaView, with the sets and the quality of the elements
     #[arg(long, value_name = "F.vtu")]
     pub vtu: Option<PathBuf>,
@@ -88,6 +99,16 @@ fn with_default(argument: Arg) -> Arg {
     };
     let help = argument.get_help().map(ToString::to_string);
     argument.help(format!("{} [default: {number}]", help.unwrap_or_default()))
+}
+
+/// A program by its name.
+fn program(text: &str) -> Result<ModalProgram, String> {
+    let named = |(name, _): &&(&str, ModalProgram)| name.eq_ignore_ascii_case(text);
+    let found = ModalProgram::ALL.iter().find(named);
+    found.map(|p| p.1).ok_or_else(|| {
+        let known = ModalProgram::ALL.map(|p| p.0);
+        format!("expected one of {}", known.join(", "))
+    })
 }
 
 /// Units by their name.

@@ -10,7 +10,7 @@ use crate::scene_file;
 use arguments::Mesh as Arguments;
 use gearbench_models::spec::Body;
 use gearbench_models::stiffness::Material;
-use gearbench_reference::deck::{self, GearDeck};
+use gearbench_reference::deck::{self, GearDeck, ModalProgram, ModalRun};
 use gearbench_reference::mesh::vtu::{self, Field, Values};
 use gearbench_reference::mesh::{
     self, ElementKind, FineTeeth, GearMesh, GearMeshParams, MeshError, Tooth,
@@ -22,6 +22,9 @@ use std::time::Instant;
 
 /// Text that marks the files of this command: the command line in a deck, a comment in a file for ParaView.
 const MARK: &str = "gearbench mesh";
+
+/// Default number of modes of a modal analysis.
+const MODES: u32 = 100;
 
 /// A gear with its mesh, before it is written.
 struct GearWithMesh {
@@ -53,7 +56,17 @@ impl GearWithMesh {
 
 /// Meshes the gears, prints the mesh quality and writes the requested files.
 pub fn run(context: &Context, args: &Arguments, command: &str) -> Result<CommandResult, Refusal> {
-    for (option, path, ending) in [("--out", &args.out, "inp"), ("--vtu", &args.vtu, "vtu")] {
+    let deck = match args.modal {
+        Some(ModalProgram::Ansys) => "cdb",
+        _ => "inp",
+    };
+    if args.modal.is_some() && args.sector {
+        return Err(Refusal::Input(miette::miette!(
+            help = "remove --sector",
+            "--modal needs the mesh of a whole gear: the reduction of its matrices ties the whole bore to the hub"
+        )));
+    }
+    for (option, path, ending) in [("--out", &args.out, deck), ("--vtu", &args.vtu, "vtu")] {
         ends_in(option, path.as_deref(), ending)?;
     }
     let gears = if is_deck(&args.input) {
@@ -71,9 +84,16 @@ pub fn run(context: &Context, args: &Arguments, command: &str) -> Result<Command
     for g in &gears {
         let several = (gears.len() > 1).then_some(g.name.as_str());
         if let Some(out) = &args.out {
-            files.add(&named(out, several), &overwriting, |f| {
-                write_deck(f, g, &format!("{} of {}\n{command}", g.name, args.input))
-            })?;
+            let path = named(out, several);
+            let options = GearDeck {
+                title: format!("{} of {}\n{command}", g.name, args.input),
+                modal: args.modal.map(|program| ModalRun {
+                    program,
+                    modes: args.modes.unwrap_or(MODES),
+                    stem: job_name(&path),
+                }),
+            };
+            files.add(&path, &overwriting, |f| write_deck(f, g, &options))?;
         }
         if let Some(out) = &args.vtu {
             files.add(&named(out, several), &overwriting, |f| {
@@ -122,10 +142,13 @@ pub(super) fn inputs_of(context: &Context, input: &str) -> Result<Vec<PathBuf>, 
     })
 }
 
+/// Endings of the names of meshes.
+pub(super) const DECK_ENDINGS: [&str; 6] =
+    [".inp.gz", ".inp", ".msh.gz", ".msh", ".cdb.gz", ".cdb"];
+
 pub(super) fn is_deck(input: &str) -> bool {
     let name = input.to_ascii_lowercase();
-    let ends = [".inp", ".inp.gz", ".msh", ".msh.gz"];
-    ends.iter().any(|end| name.ends_with(end))
+    DECK_ENDINGS.iter().any(|end| name.ends_with(end))
 }
 
 /// The path with the name of the gear: `F.inp` becomes `F-NAME.inp` where there are several gears.
@@ -334,12 +357,15 @@ fn table(context: &Context, gears: &[GearWithMesh]) {
     }
 }
 
-fn write_deck(out: &mut dyn Write, g: &GearWithMesh, title: &str) -> Result<(), String> {
-    let options = GearDeck {
-        title: title.to_owned(),
-        modes: None,
-    };
-    deck::write(out, &g.mesh, &g.material, &options).map_err(|e| e.to_string())?;
+/// The name of a deck without folder and ending, of letters that commands of other programs accept.
+fn job_name(path: &Path) -> String {
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    let plain = |c: char| if c.is_ascii_alphanumeric() { c } else { '_' };
+    stem.chars().map(plain).collect()
+}
+
+fn write_deck(out: &mut dyn Write, g: &GearWithMesh, options: &GearDeck) -> Result<(), String> {
+    deck::write(out, &g.mesh, &g.material, options).map_err(|e| e.to_string())?;
     for name in ["cut_low", "cut_high"] {
         let Some(nodes) = g.mesh.mesh.node_sets.get(name) else {
             continue;

@@ -16,6 +16,9 @@ Examples:
   gearbench reduce turned.inp --axis 0,0.2,1 --axis-point 0.1,0,0 --out turned.npz
   gearbench reduce a.inp b.inp --modes 100 --out reduced/      writes reduced/a.npz and reduced/b.npz
   gearbench reduce spur_impact --modes 200 --out spur.npz      spur-pinion.npz, spur-wheel.npz
+  gearbench reduce wheel.inp --matrices wheel.sti --out wheel.npz         stiffness and mass that CalculiX stored
+  gearbench reduce wheel.inp --matrices wheel_STIF1.mtx --out wheel.npz   those of Abaqus
+  gearbench reduce wheel.cdb --matrices wheel_stiff.hb --out wheel.npz    those of Ansys
 
 The mesh of another program needs solid elements. The node sets `bore`, `flank_1l`, `flank_1r`, ... (l is the
 counter-clockwise flank) define bore and flanks; without them, axis, bore, teeth and flanks are identified from the
@@ -26,13 +29,16 @@ The file contains the flank nodes with their normals, natural frequencies, mode 
 static compliance between the flank nodes and at the hub; docs/reduction-format.md describes it. The elastic model of
 a scene reads it by `parameters = { reduction = \"gear.npz\" }`, with a path relative to the folder of the scene.
 
+With --matrices, stiffness and mass are those that another program wrote for the deck; with --shapes, the modes lie in
+the span of its mode shapes. docs/modal.md describes what the programs must be told.
+
 Earlier reductions are read from a cache ($GEARBENCH_CACHE, else the user's cache folder; `off` disables it).";
 
 /// Arguments of `reduce`.
 #[derive(Args, Clone, Debug)]
 #[command(after_help = EXAMPLES)]
 pub struct Reduce {
-    /// Decks (.inp) or meshes of Gmsh (.msh), also .gz; or the name of a shipped scene, or the path of a scene file
+    /// Decks (.inp), meshes of Gmsh (.msh) or archives of Ansys (.cdb), also .gz; or the name of a shipped scene, or the path of a scene file
     /// (.toml)
     #[arg(value_name = "SCENE|DECK", required = true)]
     pub inputs: Vec<String>,
@@ -42,6 +48,14 @@ pub struct Reduce {
     /// Overwrite an existing file even if this command did not write it
     #[arg(long)]
     pub force: bool,
+    /// Files of the stiffness, the mass and the coordinates of the rows that another program wrote for the deck, separated
+    /// by commas; the last two may be left out where their names follow from the first: F.sti (CalculiX), F_STIF1.mtx
+    /// (Abaqus), F_stiff.hb (Ansys), F.npz
+    #[arg(long, value_name = "FILE,...", value_delimiter = ',', num_args = 1)]
+    pub matrices: Option<Vec<String>>,
+    /// File of mode shapes that another program computed for the deck: .frd or .dat of CalculiX, .dat of Abaqus, .npz
+    #[arg(long, value_name = "FILE")]
+    pub shapes: Option<String>,
     /// Largest number of modes to store [default: 400, or all up to --max-frequency]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=5000))]
     pub modes: Option<u32>,

@@ -12,7 +12,7 @@ use crate::cli::progress::Display;
 use crate::cli::terminal::{Refusal, absolute};
 use crate::context::Context;
 use crate::scene_file;
-use crate::tools::mesh::{chosen, inputs_of, is_deck, named};
+use crate::tools::mesh::{DECK_ENDINGS, chosen, inputs_of, is_deck, named};
 use arguments::Reduce as Arguments;
 use gearbench_models::Vec3;
 use gearbench_models::gear::parameters::ModelParameters;
@@ -21,7 +21,8 @@ use gearbench_models::kinematics::{Hub, Placement};
 use gearbench_models::scene::hub_of;
 use gearbench_models::spec::{Body, GearSpec, ModelSpec};
 use gearbench_models::stiffness::Material;
-use gearbench_reference::deck::{self, BodyShape, DeckGear};
+use gearbench_reference::deck::{self, BodyShape, Deck, DeckGear};
+use gearbench_reference::matrices::{self, ForeignBody, MatrixError, MeshFrame};
 use gearbench_reference::mesh::GearMesh;
 use gearbench_reference::recognise::{RecognisedBody, SpecifiedBody};
 use gearbench_reference::reduction::choose::{self, Choice, Criterion};
@@ -50,6 +51,8 @@ struct Job {
     sector: bool,
     material: Material,
     mounting: Mounting,
+    /// Matrices and mode shapes of another program.
+    foreign: Option<ForeignBody>,
     /// Recognised geometry, where no sets name the flanks.
     found: Option<RecognisedBody>,
     /// Notes on the input, for the summary.
@@ -144,7 +147,20 @@ fn from_deck(args: &Arguments, input: &str) -> Result<Vec<Job>, Refusal> {
     let gears = gears.into_iter().collect::<Result<_, _>>().map_err(bad)?;
     let gears = chosen(gears, args.gear.as_deref(), input, |g| g.name.clone())?;
     let stem = stem(input);
+    if gears.len() > 1 && (args.matrices.is_some() || args.shapes.is_some()) {
+        let names: Vec<&str> = gears.iter().map(|g| g.name.as_str()).collect();
+        return Err(refuse(
+            &format!(
+                "matrices and shapes belong to one gear, but {input} has {}",
+                names.join(", ")
+            ),
+            "choose one with --gear NAME",
+        ));
+    }
     let jobs = gears.into_iter().map(|g| {
+        let material = material(args, g.material)?;
+        let foreign = foreign_body(args, &deck, &g, &material)?;
+        notes.extend(foreign.iter().flat_map(|f| f.notes.clone()));
         let free = args.mount.is_none_or(|m| m.0);
         let added = args.added_inertia.unwrap_or(0.0);
         Ok(Job {
@@ -163,7 +179,8 @@ fn from_deck(args: &Arguments, input: &str) -> Result<Vec<Job>, Refusal> {
                     BodyShape::Rack { .. } => Mounting::rack(free, added),
                 },
             )?,
-            material: material(args, g.material)?,
+            material,
+            foreign,
             found: g.found,
             mesh: g.mesh,
             sector: false,
@@ -171,6 +188,33 @@ fn from_deck(args: &Arguments, input: &str) -> Result<Vec<Job>, Refusal> {
         })
     });
     jobs.collect()
+}
+
+/// Reads matrices and mode shapes that the command line names.
+fn foreign_body(
+    args: &Arguments,
+    deck: &Deck,
+    gear: &DeckGear,
+    material: &Material,
+) -> Result<Option<ForeignBody>, Refusal> {
+    if args.matrices.is_none() && args.shapes.is_none() {
+        return Ok(None);
+    }
+    let bad = |e: MatrixError| Refusal::Input(miette::miette!("{e}"));
+    let mut disk = matrices::from_disk;
+    let read = |names: &Vec<String>| matrices::read(names, &mut disk);
+    let system = args.matrices.as_ref().map(read).transpose().map_err(bad)?;
+    let read = |name: &String| matrices::read_shapes(name, &mut disk);
+    let shapes = args.shapes.as_ref().map(read).transpose().map_err(bad)?;
+    let frame = MeshFrame::of(deck, gear).map_err(bad)?;
+    let body = ForeignBody::new(
+        system.as_ref(),
+        shapes.as_ref(),
+        &frame,
+        &gear.mesh,
+        material,
+    );
+    body.map(Some).map_err(bad)
 }
 
 /// Removes repeated notes and keeps their order.
@@ -189,8 +233,7 @@ fn stem(input: &str) -> String {
     let name = Path::new(input).file_name().unwrap_or_default();
     let name = name.to_string_lossy();
     let lower = name.to_ascii_lowercase();
-    let ends = [".inp.gz", ".inp", ".msh.gz", ".msh"];
-    let end = ends.iter().find(|e| lower.ends_with(*e));
+    let end = DECK_ENDINGS.iter().find(|e| lower.ends_with(*e));
     name[..name.len() - end.map_or(0, |e| e.len())].to_owned()
 }
 
@@ -207,6 +250,12 @@ fn material(args: &Arguments, of: Material) -> Result<Material, Refusal> {
 }
 
 fn from_scene(context: &Context, args: &Arguments, input: &str) -> Result<Vec<Job>, Refusal> {
+    if args.matrices.is_some() || args.shapes.is_some() {
+        return Err(refuse(
+            "--matrices and --shapes belong to a deck, not to a scene",
+            "give the deck that the other program solved (`gearbench mesh SCENE --modal PROGRAM --out F.inp`)",
+        ));
+    }
     for (option, given, key) in [
         ("--units", args.units.is_some(), "units"),
         ("--axis", args.axis.is_some(), "axis"),
@@ -304,6 +353,7 @@ fn of_scene(
         sector: of.sector,
         material,
         mounting: mounted(args, of.mounting)?,
+        foreign: None,
         found: of.found,
         notes: of.notes,
     })
@@ -379,6 +429,7 @@ fn reduce(context: &Context, args: &Arguments, job: &Job) -> Result<ReducedGear,
         material: job.material,
         mounting: job.mounting,
         wanted,
+        foreign: job.foreign.as_ref(),
     };
     let start = Instant::now();
     let found = context

@@ -75,6 +75,20 @@ pub struct DeckGear {
     pub missing: Vec<String>,
 }
 
+impl DeckGear {
+    /// Rotation from the axes of the gear to those of the deck.
+    pub fn rotation(&self) -> nalgebra::Matrix3<f64> {
+        let zero = Vec3::zeros();
+        let own = |x: Vec3| {
+            // The phase of a rack is a displacement.
+            let [at, from] =
+                [x, zero].map(|x| placed(self.shape, [zero, self.axis], self.phase, x));
+            at - from
+        };
+        nalgebra::Matrix3::from_columns(&[own(Vec3::x()), own(Vec3::y()), own(Vec3::z())])
+    }
+}
+
 /// `the left flank of tooth 3`, counted from 1.
 fn flank_words(tooth: u32, side: Side) -> String {
     let side = match side {

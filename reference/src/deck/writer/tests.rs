@@ -23,7 +23,11 @@ fn one_gear_comes_back_bit_for_bit() {
             let mut text = Vec::new();
             let options = GearDeck {
                 title: format!("{name}\n*a line of stars"),
-                modes: Some(7),
+                modal: Some(ModalRun {
+                    program: ModalProgram::Calculix,
+                    modes: 7,
+                    stem: String::new(),
+                }),
             };
             write(&mut text, &gear.mesh, &gear.material, &options).unwrap();
             let deck = read_text(&text);

@@ -40,7 +40,7 @@ fn sector_and_whole_mesh_agree() {
         let sector = mesh::sector(&gear, &coarse(2, 2)).unwrap();
         let wanted = ModeSelection::Count(61);
         let a = of_sector(&sector, &Material::STEEL, &mounting, wanted, false).unwrap();
-        let b = of_mesh(&whole, &Material::STEEL, &mounting, wanted, false).unwrap();
+        let b = of_mesh(&whole, &Material::STEEL, &mounting, wanted, false, None).unwrap();
         assert!((a.inertia / b.inertia - 1.0).abs() < 1e-12);
         assert_eq!(a.unknowns, b.unknowns);
         for (p, q) in a.flanks.grids().iter().zip(b.flanks.grids()) {
@@ -122,6 +122,7 @@ fn free_modes_hold_no_momentum_and_the_rigid_one_is_gone() {
             &Mounting::gear(true, added),
             wanted,
             false,
+            None,
         )
         .unwrap();
         assert!(b.omega[0] > 1e3);
@@ -136,6 +137,7 @@ fn free_modes_hold_no_momentum_and_the_rigid_one_is_gone() {
         &Mounting::gear(false, 0.0),
         wanted,
         false,
+        None,
     )
     .unwrap();
     for (a, b) in heavy.omega.iter().zip(&held.omega) {
@@ -168,6 +170,7 @@ fn a_rack_slides_and_a_held_one_is_pulled() {
             &mounting,
             ModeSelection::Count(usize::MAX / 2),
             false,
+            None,
         )
         .unwrap();
         // With all modes the momentum of a held rack is that of its free nodes, e^T M e without the back's share.
@@ -181,6 +184,7 @@ fn a_rack_slides_and_a_held_one_is_pulled() {
             &mounting,
             ModeSelection::UpTo(2e5),
             false,
+            None,
         )
         .unwrap();
         let below = all

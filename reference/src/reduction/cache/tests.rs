@@ -26,6 +26,7 @@ fn small() -> GearMesh {
 fn request(mesh: &GearMesh) -> Request<'_> {
     Request {
         along_profile: false,
+        foreign: None,
         mesh,
         material: Material::STEEL,
         mounting: Mounting::gear(true, 0.0),

@@ -16,6 +16,7 @@ fn rack() -> Basis {
         &Mounting::rack(true, 0.01),
         wanted,
         false,
+        None,
     )
     .unwrap()
 }

@@ -103,6 +103,7 @@ fn sector_and_whole_mesh_agree() {
         &mounting,
         ModeSelection::Count(41),
         false,
+        None,
     )
     .unwrap();
     let (x, y) = (a.integrals.unwrap(), b.integrals.unwrap());

@@ -33,6 +33,7 @@ fn judged(
     change(&mut basis);
     let request = Request {
         along_profile: false,
+        foreign: None,
         mesh: &mesh,
         sector: false,
         material: Material::STEEL,
@@ -139,6 +140,7 @@ fn reduced(modes: usize) -> (Basis, Meta) {
     let mesh = mesh::gear(&gear(18, |_| {}), &counted(4, 1, 1)).unwrap();
     let request = Request {
         along_profile: false,
+        foreign: None,
         mesh: &mesh,
         sector: false,
         material: Material::STEEL,

@@ -29,7 +29,7 @@ fn of(
         (mesh, basis, whole)
     } else {
         let mesh = mesh::gear(&gear, &params).unwrap();
-        let basis = basis::of_mesh(&mesh, &material, &mounting, wanted, along_profile);
+        let basis = basis::of_mesh(&mesh, &material, &mounting, wanted, along_profile, None);
         (mesh, basis, MeshExtent::AtHand)
     };
     let basis = basis.unwrap();
@@ -213,6 +213,7 @@ fn racks_are_their_whole_mesh() {
         &mounting,
         ModeSelection::Count(8),
         false,
+        None,
     );
     let of = MeshRecovery {
         mesh,

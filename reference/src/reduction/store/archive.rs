@@ -14,14 +14,14 @@ const CHUNK: usize = 1 << 16;
 const MOST: usize = 1000;
 
 /// Writes arrays into an archive.
-pub(super) struct Writer<W: Write>(rawzip::ZipArchiveWriter<W>);
+pub(crate) struct Writer<W: Write>(rawzip::ZipArchiveWriter<W>);
 
 fn as_io(e: rawzip::Error) -> io::Error {
     io::Error::other(e)
 }
 
 impl<W: Write> Writer<W> {
-    pub(super) fn new(out: W) -> Self {
+    pub(crate) fn new(out: W) -> Self {
         Writer(rawzip::ZipArchiveWriter::new(out))
     }
 
@@ -55,7 +55,7 @@ impl<W: Write> Writer<W> {
         Ok(())
     }
 
-    pub(super) fn f64s(
+    pub(crate) fn f64s(
         &mut self,
         name: &str,
         shape: &[usize],
@@ -64,7 +64,7 @@ impl<W: Write> Writer<W> {
         self.array(name, npy::F64, shape, x.map(f64::to_le_bytes))
     }
 
-    pub(super) fn i64s(
+    pub(crate) fn i64s(
         &mut self,
         name: &str,
         shape: &[usize],
@@ -77,14 +77,14 @@ impl<W: Write> Writer<W> {
         self.array(name, npy::U8, &[x.len()], x.iter().map(|b| [*b]))
     }
 
-    pub(super) fn finish(self) -> io::Result<W> {
+    pub(crate) fn finish(self) -> io::Result<W> {
         self.0.finish().map_err(as_io)
     }
 }
 
 /// Lengths that the axes of an array may have.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Axis {
+pub(crate) enum Axis {
     /// An axis of this length.
     Is(usize),
     /// Any number, called by this name in messages.
@@ -92,7 +92,7 @@ pub(super) enum Axis {
 }
 
 /// Arrays of an archive in memory.
-pub(super) struct Reader<'a> {
+pub(crate) struct Reader<'a> {
     archive: ZipSliceArchive<&'a [u8]>,
     entries: BTreeMap<String, (ZipArchiveEntryWayfinder, CompressionMethod)>,
     /// Bytes of the arrays read so far, including those of the archive itself.
@@ -100,7 +100,7 @@ pub(super) struct Reader<'a> {
 }
 
 impl<'a> Reader<'a> {
-    pub(super) fn new(bytes: &'a [u8]) -> Result<Self, StoreError> {
+    pub(crate) fn new(bytes: &'a [u8]) -> Result<Self, StoreError> {
         let archive = ZipArchive::from_slice(bytes).map_err(|e| {
             unusable(
                 StoreErrorKind::NotZip,
@@ -268,7 +268,7 @@ impl<'a> Reader<'a> {
     }
 
     /// Floating-point numbers, all finite.
-    pub(super) fn f64s(
+    pub(crate) fn f64s(
         &self,
         name: &str,
         axes: &[Axis],
@@ -291,7 +291,7 @@ impl<'a> Reader<'a> {
     }
 
     /// Whole numbers from 0 to 2^32 - 1, or from -1 where signs are meant.
-    pub(super) fn i64s(&self, name: &str, count: Axis) -> Result<Vec<i64>, StoreError> {
+    pub(crate) fn i64s(&self, name: &str, count: Axis) -> Result<Vec<i64>, StoreError> {
         let (_, x) = self.array(
             name,
             (npy::I64, "8-byte integers, little endian"),

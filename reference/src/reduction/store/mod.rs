@@ -7,7 +7,7 @@
 //! Files are not trusted: shapes are compared with each other before memory is allocated, checksums are compared, and
 //! invalid numbers are refused with the name of their array ([`StoreError`]).
 
-mod archive;
+pub(crate) mod archive;
 mod checks;
 mod error;
 mod fields;

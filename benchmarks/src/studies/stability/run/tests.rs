@@ -200,6 +200,7 @@ fn modes_of_a_stored_reduction_are_its_own() {
     (params.tooth.flank, params.tooth.fillet, params.tooth.across) = (3, 2, 4);
     let request = Request {
         along_profile: false,
+        foreign: None,
         mesh: &mesh::sector(gear, &params).unwrap(),
         sector: true,
         material: Material::STEEL,

@@ -112,6 +112,7 @@ fn the_support_behind_half_spaces_does_not_depend_on_the_elements() {
     let of = |mesh: &GearMesh, sector: bool| {
         let request = Request {
             along_profile: false,
+            foreign: None,
             mesh,
             sector,
             material: Material::STEEL,
