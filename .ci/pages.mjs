@@ -191,12 +191,23 @@ async function drag(page, chart, from, to) {
   return b;
 }
 
+// Texts of a chart and its heading below the button that shows all.
+const underReset = (page, chart) =>
+  page.evaluate((id) => {
+    const figure = document.getElementById(id).closest("figure");
+    const button = figure.querySelector(".reset").getBoundingClientRect();
+    const texts = [...figure.querySelectorAll("svg text, figcaption"), ...figure.parentElement.querySelectorAll("h2")];
+    const isBelow = (b) => b.width > 0 && b.left < button.right && b.right > button.left && b.top < button.bottom - 1 && b.bottom > button.top + 1;
+    return button.width > 0 ? texts.filter((t) => isBelow(t.getBoundingClientRect())).map((t) => t.textContent) : ["no button"];
+  }, chart);
+
 async function zoom(page, chart) {
   const whole = { ticks: await ticks(page, chart.id), data: await curveData(page, chart.id) };
   const end = await drag(page, chart.id, [0.3, 0.5], [0.4, 0.6]);
   const part = { ticks: await ticks(page, chart.id), data: await curveData(page, chart.id) };
   assert.notDeepEqual(part.ticks, whole.ticks, chart.name);
   assert.notEqual(part.data, whole.data, chart.name);
+  assert.deepEqual(await underReset(page, chart.id), [], `${chart.name}: the button covers a text`);
   assert.ok(part.ticks.length >= 4 && part.ticks.length < 80 && part.ticks.every((t) => t.length < 10), String(part.ticks));
   assert.ok(!/NaN|Infinity/.test(part.data));
   await page.mouse.click(end.x, end.y, { count: 2 });
@@ -373,6 +384,13 @@ try {
     for (const [width, dark] of [[1300, false], [1300, true], [400, false], [400, true]]) {
       const { page, quiet } = await open(resolve(file), { width, height: 900, dark, gallery });
       await page.screenshot({ path: join(out, `${name}-${width}-${dark ? "dark" : "light"}.png`) });
+      for (const chart of (await charts(page)).filter((c) => c.curves || c.points)) {
+        await page.evaluate((id) => document.getElementById(id).focus({ preventScroll: true }), chart.id);
+        for (const key of ["ArrowRight", "+"]) await page.keyboard.press(key);
+        const isZoomed = await page.evaluate((id) => !document.getElementById(id).closest("figure").querySelector(".reset").hidden, chart.id);
+        if (isZoomed) assert.deepEqual(await underReset(page, chart.id), [], `${name}, ${chart.name} at ${width} px: the button covers a text`);
+        await page.keyboard.press("Home");
+      }
       assert.deepEqual(await tooWide(page), [], `${name} at ${width} px`);
       await accessible(page, `${name} at ${width} px, ${dark ? "dark" : "light"}`);
       quiet();

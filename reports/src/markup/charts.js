@@ -173,6 +173,7 @@
         return {
           g: c,
           entry: c.dataset.entry,
+          name: c.dataset.name,
           path,
           drawn: path && path.getAttribute("d"),
           pieces: path ? piecesOf(path) : [],
@@ -396,7 +397,8 @@
         if (seen >= this.y0 - 1 && seen <= this.y1 + 1) {
           svgElement("circle", { cx: x, cy: seen, r: 3.6, fill: colour, class: "dot" }, this.overlay);
         }
-        const label = this.chart.labelOf(curve.entry) || this.title || this.yName.name;
+        const entry = this.chart.labelOf(curve.entry) || this.title || this.yName.name;
+        const label = [entry, curve.name].filter(Boolean).join(", ");
         const value = this.valueOf(y);
         // Points that stand on their curve, or coincide, are one value.
         const isKnown = (r) => r.label === label && Math.abs(r.value - value) <= 1e-3 * Math.abs(value);
@@ -672,8 +674,17 @@
     }
     zoomed() {
       this.resetButton.hidden = !this.panels.some((p) => p.isZoomed);
+      this.placeReset();
       if (this.active && this.active.points.length) this.clear();
       else if (this.at !== undefined) this.show(this.at);
+    }
+    // Puts the button where a chart has no text: next to the name of the abscissa, on narrow pages in the line above the chart.
+    placeReset() {
+      const { resetButton: button, svg } = this;
+      const pan = svg.parentElement;
+      const below = matchMedia("(max-width: 760px)").matches ? -2 - button.offsetHeight : pan.offsetHeight - button.offsetHeight - 2;
+      button.style.top = `${pan.offsetTop + below}px`;
+      button.style.left = `${pan.offsetLeft + pan.offsetWidth - button.offsetWidth}px`;
     }
     zoomBy(factor) {
       const panel = this.active;
@@ -951,7 +962,10 @@
     }
   };
   setFocus();
-  window.addEventListener("resize", setFocus);
+  window.addEventListener("resize", () => {
+    setFocus();
+    for (const chart of charts) chart.placeReset();
+  });
   document.addEventListener("toggle", setFocus, true);
   if (charts.length) {
     const hint = document.createElement("p");
