@@ -34,7 +34,7 @@ LIBRARY: pathlib.Path | None
 def execute(
     command: str,
     words: Sequence[str],
-    scene: Any,
+    scenes: Mapping[str, Any],
     progress: Any,
     keeps: Any,
 ) -> Any: ...
@@ -43,7 +43,7 @@ def _observer(progress: Any, title: str) -> Any: ...
 
 def compare(
     scene: Scene | Text,
-    *,
+    *further: Scene | Text,
     progress: Progress | None = ...,
     models: Text | float | bool | Sequence[Any] | None = ...,
     integrators: Text | float | bool | Sequence[Any] | None = ...,
@@ -177,7 +177,7 @@ def response(
 
 def sweep(
     scene: Scene | Text,
-    *,
+    *further: Scene | Text,
     progress: Progress | None = ...,
     models: Text | float | bool | Sequence[Any] | None = ...,
     from_: float | None = ...,

@@ -216,8 +216,10 @@
     abscissa(drawn) {
       return valueAt(this.x, (drawn - this.x0) / this.width);
     }
+    // What a drawing cannot distinguish from zero is zero.
     valueOf(drawn) {
-      return valueAt(this.y, (this.y1 - drawn) / this.height);
+      const value = valueAt(this.y, (this.y1 - drawn) / this.height);
+      return Math.abs(value) < 1e-5 * Math.abs(this.y.max - this.y.min) && !this.y.log ? 0 : value;
     }
     holds(x, y) {
       return x >= this.x0 - 1 && x <= this.x1 + 1 && y >= this.y0 - 1 && y <= this.y1 + 1;
