@@ -815,18 +815,15 @@
       this.overlay.replaceChildren();
     }
     pointerMoved(event) {
-      const cell = event.target.closest(".cell") || event.target;
+      // Lines, marks and names over the cells do not hide their texts.
+      const below = document.elementsFromPoint(event.clientX, event.clientY).map((e) => e.closest(".cell") || e);
+      const cell = below.find((e) => this.texts.has(e)) || event.target;
       const m = this.svg.getScreenCTM();
       const p = new DOMPoint(event.clientX, event.clientY).matrixTransform(m.inverse());
       const [x, y] = [p.x / UNIT, p.y / UNIT];
       const frame = this.frames.find((f) => x >= f.x0 && x <= f.x1 && y >= f.y0 && y <= f.y1);
-      let text = this.texts.get(cell);
+      const text = this.texts.get(cell);
       if (frame) {
-        // Lines and names over the cells do not hide their values.
-        if (text === undefined) {
-          const below = document.elementsFromPoint(event.clientX, event.clientY).find((e) => this.texts.has(e));
-          text = below && this.texts.get(below);
-        }
         if (text === undefined) this.clear();
         else this.point(frame, { x, y }, text, event.clientX, event.clientY);
         return;
