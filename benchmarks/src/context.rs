@@ -77,15 +77,16 @@ impl Default for Context {
 }
 
 impl Context {
-    /// Returns the context in which a scene of this name has a text in place of its file. Paths in it count from the
-    /// folder of the name.
+    /// Adds the text of a scene of this name, in place of its file. Paths in it count from the folder of the name.
     #[must_use]
     pub fn with_scene(mut self, name: &str, text: &str) -> Self {
-        self.rerun = Arc::new([Source {
+        let others = self.rerun.iter().filter(|source| source.name != name);
+        let source = Source {
             name: name.to_owned(),
             scene: text.to_owned(),
             ..Source::default()
-        }]);
+        };
+        self.rerun = others.cloned().chain([source]).collect();
         self
     }
 

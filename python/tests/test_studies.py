@@ -16,8 +16,10 @@ import pytest
 def test_a_study_has_the_arguments_of_its_command(name):
     study = getattr(gb, name.replace("-", "_"))
     own = {s[0]: s[2] for s in gb._native.study_arguments()}[name]
-    # The first argument is the scene, in place of which a check has a file.
-    expected = {"scene" if a[4] else gb._names.python_name(a[0]) for a in own}
+    # The first argument is the scene, in place of which a check has a file; a list of positions is
+    # that of further scenes.
+    positions = {True: "further", False: "scene"}
+    expected = {positions[a[5]] if a[4] else gb._names.python_name(a[0]) for a in own}
     found = set(inspect.signature(study).parameters) - {"progress", "executor", "shards", "retries"}
     assert found == expected and "memory" in found and "scene" in found
     assert all(f"{n} :" in study.__doc__ for n in expected)
@@ -32,6 +34,10 @@ def test_wrong_arguments_are_refused():
         gb.compare("hammer", integrators="rk5@1us")
     with pytest.raises(gb.SceneError, match="not in 1..=1000"):
         gb.compare("hammer", repeats=0)
+    with pytest.raises(TypeError, match="takes one scene, not 2"):
+        gb.modes("driveline", "run_up")
+    with pytest.raises(gb.SceneError, match="two scenes of the command have the name `hammer`"):
+        gb.compare("hammer", gb.Scene.load("hammer").changed({"duration_s": 0.01}), models="rigid")
 
 
 @pytest.mark.filterwarnings("ignore::gearbench.SceneWarning")
@@ -72,6 +78,54 @@ def test_results_are_tables_and_pages():
     assert "<table>" in run.series._repr_html_() and "<table>" in run._repr_html_()
     with pytest.raises(KeyError, match="there are"):
         run.series["force"]
+
+
+SLOW = {"name": "slow", "title": "At half the speed", "gears.pinion.speed_rad_s": 10.0}
+TWICE = {"models": "rigid", "integrators": "dopri5@1e-6", "repeats": 1}
+
+
+def test_scenes_of_one_file_are_compared_in_one_report(tmp_path):
+    scene = gb.Scene.load("spur_impact")
+    slow = scene.changed(SLOW)
+    both = scene.compare(slow, **TWICE)
+    alone = [s.compare(**TWICE) for s in (scene, slow)]
+    assert [both.scene] + [r.scene for r in both.further] == ["spur_impact", "slow"]
+    assert isinstance(both.further[0], type(both))
+    for found, own in zip([both, *both.further], alone):
+        assert np.array_equal(found.runs[0].series.time_s, own.runs[0].series.time_s)
+        for name in own.runs[0].series:
+            assert np.array_equal(found.runs[0].series[name], own.runs[0].series[name]), name
+    rows = both.to_rows()
+    assert [r["scene"] for r in rows] == ["spur_impact", "slow"]
+    assert rows[0]["peak_force_n"] > 1.5 * rows[1]["peak_force_n"]
+    assert repr(both) == "<CompareResult of spur_impact, slow, 2 runs>"
+    again = pickle.loads(pickle.dumps(both))
+    assert again.further[0].runs[0].steps == both.further[0].runs[0].steps
+    page = both.report(tmp_path)
+    assert "At half the speed" in open(page, encoding="utf-8").read()
+    histories = {p.name for p in tmp_path.glob("slow-*.csv")}
+    assert histories and histories == set(both.further[0].runs[0].files or histories)
+
+
+def test_two_scenes_are_swept_in_one_report():
+    scene = gb.Scene.load("loaded_mesh")
+    torques = {"gears.pinion.loads.1.torque_nm": 120.0, "gears.wheel.loads.1.torque_nm": 180.0}
+    heavy = scene.changed({"name": "heavy", **torques})
+    both = gb.sweep("loaded_mesh", heavy, models="rigid", points=2)
+    assert [both.scene, both.further[0].scene] == ["loaded_mesh", "heavy"]
+    errors = [abs(r.statics[0].error_mean_m) for r in (both, both.further[0])]
+    assert 1.1 * errors[0] < errors[1]
+
+
+def test_laws_of_one_name_in_two_scenes_are_refused():
+    def pair(stiffness, name):
+        law = gb.ContactLaw(lambda gap, rate: -stiffness * gap, name="spring", elastic=True)
+        contact = gb.Contact(stiffness="iso6336", normal_force=law)
+        models = [gb.Model(model="rigid", contact=contact)]
+        return gb.Scene.load("hammer").replace(name=name, models=models)
+
+    with pytest.raises(gb.SceneError, match="two contact laws have the name `spring`"):
+        gb.compare(pair(1e8, "soft"), pair(2e8, "stiff"), **TWICE)
 
 
 def test_pandas_xarray_and_matplotlib_where_they_are_installed():

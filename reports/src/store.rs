@@ -63,9 +63,7 @@ pub fn write_results(dir: &Path, results: &Results) -> Result<PathBuf, ReportErr
     let mut clean = results.sanitised();
     let mut all_histories = Vec::new();
     let prefixes = scene_prefixes(results);
-    let scenes =
-        std::iter::once(&mut clean.runs).chain(clean.further.iter_mut().map(|r| &mut r.runs));
-    for ((one, runs), prefix) in results.scenes().zip(scenes).zip(&prefixes) {
+    for ((one, runs), prefix) in results.scenes().zip(clean.runs_mut()).zip(&prefixes) {
         let histories = histories(one, prefix);
         for (i, run) in runs.iter_mut().enumerate() {
             let own = histories.iter().filter(|h| h.run == Some(i));

@@ -24,7 +24,8 @@ FOR_EACH_WORKER = 4
 def run_part(source: str, text: str, words: Sequence[str]) -> dict[str, bytes]:
     """Run a part of a scan in a folder of its own, and return the files that it has written."""
     with tempfile.TemporaryDirectory(prefix="gearbench-", ignore_cleanup_errors=True) as folder:
-        _native.run_study([*words, f"--out={os.path.join(folder, 'part')}"], source, text, None)
+        out = f"--out={os.path.join(folder, 'part')}"
+        _native.run_study([*words, out], [(source, text)], None)
         part = pathlib.Path(folder, "part")
         return {path.name: path.read_bytes() for path in part.iterdir() if path.is_file()}
 
@@ -154,7 +155,7 @@ def scan_in_shards(
         if hasattr(observer, "close"):
             observer.close()
     joined = ["merge", *(os.fspath(f) for f in folders.values()), f"--out={os.fspath(out)}"]
-    result = execute("scan", joined, None, None, keeps)
+    result = execute("scan", joined, {}, None, keeps)
     for folder in folders.values():
         for path in folder.iterdir():
             path.unlink()

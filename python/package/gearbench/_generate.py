@@ -284,13 +284,15 @@ def studies() -> str:
     text += "Text = str | os.PathLike[str]\nProgress = Callable[[int, int, str], object] | bool\n\n"
     text += "LIBRARY: pathlib.Path | None\n\n"
     text += "def execute(\n    command: str,\n    words: Sequence[str],\n"
-    text += "    scene: Any,\n    progress: Any,\n    keeps: Any,\n"
+    text += "    scenes: Mapping[str, Any],\n    progress: Any,\n    keeps: Any,\n"
     text += ") -> Any: ...\n"
     text += "def words_of(arguments: Sequence[Any], options: Mapping[str, Any]) -> list[str]: ...\n"
     text += "def _observer(progress: Any, title: str) -> Any: ...\n\n"
     for name, about, arguments in known:
+        several = any(positional and repeated for *_, positional, repeated in arguments)
         text += f"def {python_name(name)}(\n    scene: Scene | Text,\n"
-        text += "    *,\n    progress: Progress | None = ...,\n"
+        text += "    *further: Scene | Text,\n" if several else "    *,\n"
+        text += "    progress: Progress | None = ...,\n"
         if name == "scan":
             text += (
                 "    executor: Any = ...,\n    shards: int | None = ...,\n    retries: int = ...,\n"

@@ -95,6 +95,7 @@ class StudyResult(RecordBase):
         Folder of the study, if it has written one.
     """
 
+    scene: str
     runs: list[Any]
     exit_code: int = 0
     exit_meaning: str = ""
@@ -118,14 +119,14 @@ class StudyResult(RecordBase):
         """
         if self._native is None:
             raise ValueError("a copy of a result has no report: write that of the original")
-        runs = getattr(self, "runs", [])
-        all_series = [getattr(run, "series", None) for run in runs]
-        series = [None if s is None else (s.time_s, s.columns) for s in all_series]
+        all_series = [[getattr(run, "series", None) for run in s.runs] for s in self._scenes()]
+        series = [[None if s is None else (s.time_s, s.columns) for s in of] for of in all_series]
         path: str = self._native.report(os.fspath(folder), series)
         return path
 
     def to_rows(self, of: str | None = None) -> list[dict[str, Any]]:
-        """Return a table of the record as a list of rows.
+        """Return a table of the record as a list of rows; of several scenes each row has its
+        `scene`.
 
         Parameters
         ----------
@@ -136,14 +137,21 @@ class StudyResult(RecordBase):
             columns = self.to_columns()
             return [dict(zip(columns, row)) for row in zip(*(x.tolist() for x in columns.values()))]
         rows = []
-        for entry in self._main() if of is None else getattr(self, of):
-            row = dict(entry) if isinstance(entry, dict) else _scalars(entry)
-            for metrics in getattr(entry, "metrics", []):
-                values = _scalars(metrics)
-                against = values.pop("against", "")
-                row.update({f"{key} ({against})": x for key, x in values.items()})
-            rows.append(row)
+        for part in self._scenes():
+            first = {"scene": part.scene} if self._scenes()[1:] else {}
+            for entry in part._main() if of is None else getattr(part, of):
+                own = dict(entry) if isinstance(entry, dict) else _scalars(entry)
+                row = {**first, **own}
+                for metrics in getattr(entry, "metrics", []):
+                    values = _scalars(metrics)
+                    against = values.pop("against", "")
+                    row.update({f"{key} ({against})": x for key, x in values.items()})
+                rows.append(row)
         return rows
+
+    def _scenes(self) -> list[Any]:
+        """Return the records of all scenes of the study, of one scene the record itself."""
+        return [self, *getattr(self, "further", [])]
 
     def to_columns(self) -> dict[str, Any]:
         """Return the table of a scan, a row for each run.
@@ -200,12 +208,14 @@ class StudyResult(RecordBase):
         """
         if ax is None:
             _, ax = _import("matplotlib.pyplot", "plot").subplots()
-        with_series = [r for r in getattr(self, "runs", []) if getattr(r, "series", None)]
+        runs = [(s, r) for s in self._scenes() for r in getattr(s, "runs", [])]
+        with_series = [(s, r) for s, r in runs if getattr(r, "series", None)]
         if x is None and y is None and with_series:
-            for run in with_series:
+            for part, run in with_series:
                 name = next(iter(run.series), None)
                 if name is not None:
-                    label = f"{run.model}, {run.integrator}"
+                    scene = f"{part.scene}: " if self._scenes()[1:] else ""
+                    label = f"{scene}{run.model}, {run.integrator}"
                     run.series.plot(name, ax=ax, label=label)
             return ax
         rows = self.to_rows()
@@ -227,9 +237,12 @@ class StudyResult(RecordBase):
         for row in rows:
             names += [n for n in row if n not in names]
         shown = names[:14]
-        title = f"{type(self).__name__} of {getattr(self, 'scene', '')}"
+        title = f"{type(self).__name__} of {self._names()}"
         return _html.table(title, shown, [[row.get(n) for n in shown] for row in rows])
 
     def __repr__(self) -> str:
-        scene, runs = getattr(self, "scene", ""), len(getattr(self, "runs", []))
-        return f"<{type(self).__name__} of {scene}, {runs} runs>"
+        runs = sum(len(getattr(part, "runs", [])) for part in self._scenes())
+        return f"<{type(self).__name__} of {self._names()}, {runs} runs>"
+
+    def _names(self) -> str:
+        return ", ".join(getattr(part, "scene", "") for part in self._scenes())

@@ -119,7 +119,7 @@ def named(value: Any, laws: dict[str, ContactLaw]) -> Any:
     if isinstance(value, ContactLaw):
         other = laws.setdefault(value.name, value)
         if other != value:
-            message = f"two contact laws of the scene have the name `{value.name}`"
+            message = f"two contact laws have the name `{value.name}`"
             help = 'give one of them another name: gb.ContactLaw(function, name="...")'
             raise SceneError(f"{message}\n  help: {help}", message=message, help=help)
         return value.name

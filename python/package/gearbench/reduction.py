@@ -111,8 +111,7 @@ def reduce(scene: Any, gear: str | None = None, **options: Any) -> Reduction:
         path = os.path.join(folder, "gear.npz")
         answer = _native.run_study(
             ["reduce", source, *words, f"--out={path}"],
-            scene._source if is_scene else None,
-            scene._text if is_scene else None,
+            [(source, scene._text)] if is_scene else [],
             None,
             scene._given_laws() if is_scene else [],
         )

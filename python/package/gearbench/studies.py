@@ -8,15 +8,17 @@ from __future__ import annotations
 
 import difflib
 import inspect
+import itertools
 import os
 import pathlib
 import tempfile
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
 from . import _native
 from ._names import COMMANDS, STUDIES, python_name
 from .errors import Interrupted
+from .laws import ContactLaw, named
 
 # Studies whose results are files besides the record: without `out` they have a folder that lives
 # as long as the result.
@@ -93,13 +95,19 @@ def _observer(progress: Any, title: str) -> Any:
     return progress or None
 
 
+def _record(fields: Mapping[str, Any]) -> Any:
+    """Return a record of its fields, with those of further scenes."""
+    from . import records
+
+    further = [_record(of) for of in fields.get("further", [])]
+    return records.RESULTS[fields["study"]](**{**fields, "further": further})
+
+
 def result_of(command: str, answer: Mapping[str, Any], keeps: Any = None) -> Any:
     """Return the record of a study as an object."""
-    from . import records
     from .scene import Scene
 
-    fields = dict(answer["fields"])
-    made = records.RESULTS[fields["study"]](**fields)
+    made = _record(answer["fields"])
     made.exit_code, made.exit_meaning = answer["exit_code"], answer["exit_meaning"]
     made.warnings = answer["warnings"]
     made._native, made._keeps = answer["native"], keeps
@@ -110,8 +118,24 @@ def result_of(command: str, answer: Mapping[str, Any], keeps: Any = None) -> Any
     return made
 
 
-def execute(command: str, words: Sequence[str], scene: Any, progress: Any, keeps: Any) -> Any:
-    """Run a study by its words, and return its record.
+def sources_of(scenes: Sequence[Any]) -> list[str]:
+    """Return the names by which a study loads its scenes, such as two changes of one file: each
+    has a name of its own, in the folder from which its paths count."""
+    found: list[str] = []
+    for scene in scenes:
+        path, name = pathlib.PurePath(scene._source), scene.name
+        others = (str(path.with_name(f"{name}{end}.toml")) for end in _endings())
+        found.append(next(s for s in itertools.chain([scene._source], others) if s not in found))
+    return found
+
+
+def _endings() -> Iterator[str]:
+    yield ""
+    yield from (f"-{n}" for n in itertools.count(2))
+
+
+def execute(command: str, words: Sequence[str], scenes: Any, progress: Any, keeps: Any) -> Any:
+    """Run a study by its words, in scenes by their sources, and return its record.
 
     Raises
     ------
@@ -120,11 +144,14 @@ def execute(command: str, words: Sequence[str], scene: Any, progress: Any, keeps
     """
     from .scene import warn
 
-    source, text = (None, None) if scene is None else (scene._source, scene._text)
     observer = _observer(progress, command)
     try:
-        laws = [] if scene is None else scene._given_laws()
-        answer = _native.run_study(list(words), source, text, observer, laws)
+        texts = [(source, scene._text) for source, scene in scenes.items()]
+        laws: dict[str, ContactLaw] = {}
+        for scene in scenes.values():
+            named(list(scene._laws.values()), laws)
+        given = [law._given() for law in laws.values()]
+        answer = _native.run_study(list(words), texts, observer, given)
     except KeyboardInterrupt:
         raise Interrupted("interrupted before there was a result") from None
     finally:
@@ -141,13 +168,19 @@ def execute(command: str, words: Sequence[str], scene: Any, progress: Any, keeps
     return result
 
 
+def _takes_several(arguments: Sequence[Argument]) -> bool:
+    return any(positional and repeated for *_, positional, repeated in arguments)
+
+
 def _study(command: str, about: str, arguments: Sequence[Argument]) -> Callable[..., Any]:
-    def study(scene: Any, *, progress: Any = None, **options: Any) -> Any:
+    def study(scene: Any, *further: Any, progress: Any = None, **options: Any) -> Any:
         from .scene import Scene
 
+        if further and not _takes_several(arguments):
+            raise TypeError(f"`{command}` takes one scene, not {1 + len(further)}")
         if command in OF_FILES and not isinstance(scene, Scene):
             words = [command, os.fspath(scene), *words_of(arguments, options)]
-            return execute(command, words, None, progress, None)
+            return execute(command, words, {}, progress, None)
         if not isinstance(scene, Scene):
             scene = Scene.load(scene)
         if command == "scan" and (options.get("executor") is not None or "shards" in options):
@@ -162,8 +195,10 @@ def _study(command: str, about: str, arguments: Sequence[Argument]) -> Callable[
         if command in WITH_FILES and options.get("out") is None:
             keeps = tempfile.TemporaryDirectory(prefix="gearbench-", ignore_cleanup_errors=True)
             options["out"] = os.path.join(keeps.name, command)
-        words = [command, scene._source, *words_of(arguments, options)]
-        return execute(command, words, scene, progress, keeps)
+        scenes = [scene, *(s if isinstance(s, Scene) else Scene.load(s) for s in further)]
+        sources = sources_of(scenes)
+        words = [command, *sources, *words_of(arguments, options)]
+        return execute(command, words, dict(zip(sources, scenes)), progress, keeps)
 
     name = python_name(command)
     study.__name__ = study.__qualname__ = name
@@ -180,6 +215,9 @@ def _documented(command: str, about: str, arguments: Sequence[Argument]) -> str:
         "import": "The path of a file of REXS.",
     }
     text += f"    {of_file.get(command, 'The scene, or its name or path.')}\n"
+    for _, meaning, _, _, positional, repeated in arguments:
+        if positional and repeated:
+            text += f"*further : Scene or str, optional\n    {meaning}\n"
     text += "progress : callable or True, optional\n"
     text += "    Called with the pieces done, their number (0 if unknown) and the present one;\n"
     text += "    True for a bar of tqdm.\n"
@@ -202,6 +240,8 @@ def _documented(command: str, about: str, arguments: Sequence[Argument]) -> str:
 def _signature(command: str, arguments: Sequence[Argument]) -> inspect.Signature:
     kind = inspect.Parameter.KEYWORD_ONLY
     own = [inspect.Parameter("scene", inspect.Parameter.POSITIONAL_OR_KEYWORD)]
+    if _takes_several(arguments):
+        own.append(inspect.Parameter("further", inspect.Parameter.VAR_POSITIONAL))
     names = ["progress"] + (["executor", "shards", "retries"] if command == "scan" else [])
     names += [python_name(a[0]) for a in arguments if not a[4]]
     return inspect.Signature(own + [inspect.Parameter(n, kind, default=None) for n in names])

@@ -33,7 +33,7 @@ LIBRARY: pathlib.Path | None
 def execute(
     command: str,
     words: Sequence[str],
-    scene: Any,
+    scenes: Mapping[str, Any],
     progress: Any,
     keeps: Any,
 ) -> Any: ...
@@ -42,7 +42,7 @@ def _observer(progress: Any, title: str) -> Any: ...
 
 def compare(
     scene: Scene | Text,
-    *,
+    *further: Scene | Text,
     progress: Progress | None = ...,
     models: Text | float | bool | Sequence[Any] | None = ...,
     integrators: Text | float | bool | Sequence[Any] | None = ...,
@@ -176,7 +176,7 @@ def response(
 
 def sweep(
     scene: Scene | Text,
-    *,
+    *further: Scene | Text,
     progress: Progress | None = ...,
     models: Text | float | bool | Sequence[Any] | None = ...,
     from_: float | None = ...,

@@ -46,16 +46,17 @@ struct Record {
 
 #[pymethods]
 impl Record {
-    /// Writes the folder of the study: report, record, tables and histories. `series` has time and columns of each run,
-    /// or None.
+    /// Writes the folder of the study: report, record, tables and histories. `series` has time and columns of each run of
+    /// each scene, or None.
     fn report(
         &self,
         py: Python<'_>,
         folder: PathBuf,
-        series: Vec<Option<ReturnedSeries<'_>>>,
+        series: Vec<Vec<Option<ReturnedSeries<'_>>>>,
     ) -> PyResult<String> {
         let mut results = lock(&self.results).clone();
-        for (run, series) in results.runs.iter_mut().zip(series) {
+        let runs = (results.runs_mut().zip(series)).flat_map(|(runs, of)| runs.iter_mut().zip(of));
+        for (run, series) in runs {
             let (Some(histories), Some((time, columns))) = (&mut run.histories, series) else {
                 continue;
             };
@@ -112,16 +113,15 @@ impl Observer {
 /// The result that the thread of a study sends.
 type Ended = Result<CommandResult, Refusal>;
 
-/// Runs a study by the words of its command line, in the scene of a name and a text. Returns a dictionary: fields of the
-/// record, the record for its report, exit code and meaning, warnings, other results of the command, and the exception
+/// Runs a study by the words of its command line, in scenes of names and texts. Returns a dictionary: fields of the record,
+/// the record for its report, exit code and meaning, warnings, other results of the command, and the exception
 /// that ended it early.
 #[pyfunction]
-#[pyo3(signature = (words, name=None, text=None, progress=None, laws=vec![]))]
+#[pyo3(signature = (words, scenes, progress=None, laws=vec![]))]
 fn run_study<'py>(
     py: Python<'py>,
     words: Vec<String>,
-    name: Option<&str>,
-    text: Option<&str>,
+    scenes: Vec<(String, String)>,
     progress: Option<Py<PyAny>>,
     laws: Vec<GivenLaw>,
 ) -> PyResult<Bound<'py, PyDict>> {
@@ -129,7 +129,7 @@ fn run_study<'py>(
     let has_laws = !laws.is_empty();
     let failures = Arc::new(Failures::of_study(context.interruption.clone()));
     context = with_laws(context, laws, &failures);
-    if let (Some(name), Some(text)) = (name, text) {
+    for (name, text) in &scenes {
         context = context.with_scene(name, text);
     }
     context.record = RecordUse::Returned;
@@ -212,17 +212,32 @@ fn returned(
     let classes = Classes::of(py)?;
     all.set_item("answer", classes.convert(result.keys())?)?;
     if let Some(mut record) = result.record.take() {
-        let runs = record.runs.iter_mut().map(|run| classes.run(run));
-        let runs = PyList::new(py, runs.collect::<PyResult<Vec<_>>>()?)?;
-        let own = std::mem::take(&mut record.runs);
-        let fields = classes.convert(&*record)?;
-        record.runs = own;
-        fields.set_item("runs", runs)?;
-        all.set_item("fields", fields)?;
+        all.set_item("fields", fields(py, &classes, &mut record)?)?;
         let results = Mutex::new(*record);
         all.set_item("native", Record { results }.into_pyobject(py)?)?;
     }
     Ok(all)
+}
+
+/// Returns the fields of a record, those of its further scenes in the list of their key; histories are handed over.
+fn fields<'py>(
+    py: Python<'py>,
+    classes: &Classes<'py>,
+    record: &mut Results,
+) -> PyResult<Bound<'py, PyAny>> {
+    let runs = record.runs.iter_mut().map(|run| classes.run(run));
+    let runs = PyList::new(py, runs.collect::<PyResult<Vec<_>>>()?)?;
+    let further = (record.further.iter_mut()).map(|scene| fields(py, classes, scene));
+    let further = PyList::new(py, further.collect::<PyResult<Vec<_>>>()?)?;
+    let own = (
+        std::mem::take(&mut record.runs),
+        std::mem::take(&mut record.further),
+    );
+    let made = classes.convert(&*record)?;
+    (record.runs, record.further) = own;
+    made.set_item("runs", runs)?;
+    made.set_item("further", further)?;
+    Ok(made)
 }
 
 /// Returns program, hash of the scene and options that the cells of a scan are computed from, by the words of its command

@@ -45,6 +45,8 @@ pub struct Curve {
     pub ink: Ink,
     /// Index of the model whose markers are drawn along the line.
     pub along: Option<usize>,
+    /// Name among the curves of one entry of the legend; empty for a curve that has the entry for itself.
+    pub name: String,
 }
 
 impl Curve {
@@ -57,6 +59,7 @@ impl Curve {
             failed: Vec::new(),
             ink: stroke.ink,
             along: None,
+            name: String::new(),
         }
     }
 
@@ -69,6 +72,7 @@ impl Curve {
             failed: Vec::new(),
             ink: look.ink,
             along: None,
+            name: String::new(),
         }
     }
 
@@ -276,8 +280,10 @@ impl Panel {
         for curve in &self.curves {
             let entry = entry_of(legend, curve);
             let entry = entry.map(|i| ("data-entry", i.to_string()));
+            let name = Some(&curve.name).filter(|name| !name.is_empty());
+            let name = name.map(|name| ("data-name", name.clone()));
             let class = [("class", "curve".to_owned())];
-            let attributes: Vec<_> = class.into_iter().chain(entry).collect();
+            let attributes: Vec<_> = class.into_iter().chain(entry).chain(name).collect();
             c.group(&attributes, |c| {
                 self.paint_curve(c, frame, curve, &mut room)
             });

@@ -173,6 +173,7 @@
         return {
           g: c,
           entry: c.dataset.entry,
+          name: c.dataset.name,
           path,
           drawn: path && path.getAttribute("d"),
           pieces: path ? piecesOf(path) : [],
@@ -215,8 +216,10 @@
     abscissa(drawn) {
       return valueAt(this.x, (drawn - this.x0) / this.width);
     }
+    // What a drawing cannot distinguish from zero is zero.
     valueOf(drawn) {
-      return valueAt(this.y, (this.y1 - drawn) / this.height);
+      const value = valueAt(this.y, (this.y1 - drawn) / this.height);
+      return Math.abs(value) < 1e-5 * Math.abs(this.y.max - this.y.min) && !this.y.log ? 0 : value;
     }
     holds(x, y) {
       return x >= this.x0 - 1 && x <= this.x1 + 1 && y >= this.y0 - 1 && y <= this.y1 + 1;
@@ -396,7 +399,8 @@
         if (seen >= this.y0 - 1 && seen <= this.y1 + 1) {
           svgElement("circle", { cx: x, cy: seen, r: 3.6, fill: colour, class: "dot" }, this.overlay);
         }
-        const label = this.chart.labelOf(curve.entry) || this.title || this.yName.name;
+        const entry = this.chart.labelOf(curve.entry) || this.title || this.yName.name;
+        const label = [entry, curve.name].filter(Boolean).join(", ");
         const value = this.valueOf(y);
         // Points that stand on their curve, or coincide, are one value.
         const isKnown = (r) => r.label === label && Math.abs(r.value - value) <= 1e-3 * Math.abs(value);
@@ -672,8 +676,17 @@
     }
     zoomed() {
       this.resetButton.hidden = !this.panels.some((p) => p.isZoomed);
+      this.placeReset();
       if (this.active && this.active.points.length) this.clear();
       else if (this.at !== undefined) this.show(this.at);
+    }
+    // Puts the button where a chart has no text: next to the name of the abscissa, on narrow pages in the line above the chart.
+    placeReset() {
+      const { resetButton: button, svg } = this;
+      const pan = svg.parentElement;
+      const below = matchMedia("(max-width: 760px)").matches ? -2 - button.offsetHeight : pan.offsetHeight - button.offsetHeight - 2;
+      button.style.top = `${pan.offsetTop + below}px`;
+      button.style.left = `${pan.offsetLeft + pan.offsetWidth - button.offsetWidth}px`;
     }
     zoomBy(factor) {
       const panel = this.active;
@@ -802,18 +815,15 @@
       this.overlay.replaceChildren();
     }
     pointerMoved(event) {
-      const cell = event.target.closest(".cell") || event.target;
+      // Lines, marks and names over the cells do not hide their texts.
+      const below = document.elementsFromPoint(event.clientX, event.clientY).map((e) => e.closest(".cell") || e);
+      const cell = below.find((e) => this.texts.has(e)) || event.target;
       const m = this.svg.getScreenCTM();
       const p = new DOMPoint(event.clientX, event.clientY).matrixTransform(m.inverse());
       const [x, y] = [p.x / UNIT, p.y / UNIT];
       const frame = this.frames.find((f) => x >= f.x0 && x <= f.x1 && y >= f.y0 && y <= f.y1);
-      let text = this.texts.get(cell);
+      const text = this.texts.get(cell);
       if (frame) {
-        // Lines and names over the cells do not hide their values.
-        if (text === undefined) {
-          const below = document.elementsFromPoint(event.clientX, event.clientY).find((e) => this.texts.has(e));
-          text = below && this.texts.get(below);
-        }
         if (text === undefined) this.clear();
         else this.point(frame, { x, y }, text, event.clientX, event.clientY);
         return;
@@ -951,7 +961,10 @@
     }
   };
   setFocus();
-  window.addEventListener("resize", setFocus);
+  window.addEventListener("resize", () => {
+    setFocus();
+    for (const chart of charts) chart.placeReset();
+  });
   document.addEventListener("toggle", setFocus, true);
   if (charts.length) {
     const hint = document.createElement("p");

@@ -6,12 +6,13 @@
   const SOURCE = "gears";
   const MAGNITUDES = [[1e9, "G"], [1e6, "M"], [1e3, "k"], [1, ""], [1e-3, "m"], [1e-6, "\u00b5"], [1e-9, "n"]];
 
-  /** Text of a quantity with three digits and a prefix of its unit. */
-  function quantity(x, unit) {
+  /** Text of a quantity with three digits, of a round one without zeros at its end, and a prefix of its unit. */
+  function quantity(x, unit, isRound = x === 0) {
     const size = Math.abs(x);
     const [factor, prefix] = size === 0 ? [1, ""]
       : MAGNITUDES.find(([f]) => size >= 0.9995 * f) || MAGNITUDES[MAGNITUDES.length - 1];
-    return `${Number((x / factor).toPrecision(3))} ${prefix}${unit}`;
+    const text = (x / factor).toPrecision(3);
+    return `${isRound ? Number(text) : text} ${prefix}${unit}`;
   }
 
   /** Numbers of a quantised sequence: low + k step, k in little-endian integers in base64. */
@@ -467,7 +468,7 @@
     context.stroke();
     context.font = `${12 * ratio}px sans-serif`;
     context.fillStyle = theme.ink;
-    context.fillText(quantity(length, "m"), x, y - 8 * ratio);
+    context.fillText(quantity(length, "m", true), x, y - 8 * ratio);
   }
 
   function element(name, attributes, ...children) {

@@ -2,9 +2,8 @@
 
 use crate::drawing::canvas::Ink;
 use crate::drawing::style::curve_style;
-use crate::record::{
-    BodyPath, FrameContacts, GearMotion, PlainBody, ShaftShape, ToothDisplacements, ToothedBody,
-};
+use crate::record::{BodyPath, FrameContacts, GearMotion, ToothDisplacements, ToothedBody};
+use crate::studies::solid::mechanism::Mechanism;
 use maud::{Markup, PreEscaped, html};
 use serde::Serialize;
 
@@ -65,9 +64,7 @@ struct ModelData<'a> {
     time_s: &'a [f64],
     meshes: &'a [[usize; 2]],
     paths: &'a [BodyPath],
-    plain_bodies: &'a [PlainBody],
-    shafts: &'a [ShaftShape],
-    bearings: &'a [usize],
+    mechanism: Mechanism,
     modes: &'a [MovingMode],
     teeth: &'a [ToothDisplacements],
     contacts: &'a FrameContacts,
@@ -159,9 +156,7 @@ impl Viewer {
                 time_s: &m.motion.time_s,
                 meshes: &m.motion.meshes,
                 paths: &m.motion.paths,
-                plain_bodies: &m.motion.plain_bodies,
-                shafts: &m.motion.shafts,
-                bearings: &m.motion.bearings,
+                mechanism: Mechanism::of(m.motion),
                 modes: &m.modes,
                 teeth: &m.motion.teeth,
                 contacts: &m.motion.contacts,
@@ -202,7 +197,7 @@ mod tests {
     #[test]
     fn scripts_are_small_and_without_addresses() {
         let all = [GEARS, SOLID, MECHANISM].concat();
-        assert!(all.len() < 72_000, "{} bytes", all.len());
+        assert!(all.len() < 68_000, "{} bytes", all.len());
         for forbidden in [
             "http:",
             "https:",

@@ -144,7 +144,7 @@ window.gearbenchSolid = (() => {
     const start = motion.paths.map((_, m) => motion.pose(m, [0, 0, 0]));
     const places = [
       ...motion.bodies.map((b, m) => [start[m].origin, b.is_rack ? 0.5 * b.teeth * b.pitch : b.is_internal ? b.back_m : b.reach, m]),
-      ...motion.mechanism.extent(start),
+      ...motion.mechanism.extent(),
     ];
     /** First member of those that meshes, shafts and carriers join with each member. */
     const joined = start.map((_, m) => m);
@@ -241,8 +241,8 @@ window.gearbenchSolid = (() => {
       if (!state.hidden.has("mechanism") && !motion.mechanism.isEmpty) {
         const parts = motion.mechanism.solid(motion.paths.map((_, m) => motion.pose(m, place)));
         fill(parts.turning, hex(theme.shaft));
-        fill(parts.carriers, hex(theme.carrier));
-        fill(parts.bearings, hex(theme.bearing));
+        fill(parts.carrier, hex(theme.carrier));
+        fill(parts.bearing, hex(theme.bearing));
       }
       // Contacts lie between two flanks: they are drawn over the gears.
       gl.disable(gl.DEPTH_TEST);

@@ -178,6 +178,11 @@ impl Results {
         std::iter::once(self).chain(&self.further)
     }
 
+    /// Returns the runs of each scene, in the order of [`Results::scenes`].
+    pub fn runs_mut(&mut self) -> impl Iterator<Item = &mut Vec<Run>> {
+        std::iter::once(&mut self.runs).chain(self.further.iter_mut().map(|r| &mut r.runs))
+    }
+
     /// Joins the records of a study of one or several scenes; `None` without any.
     pub fn joined(records: impl IntoIterator<Item = Results>) -> Option<Results> {
         let mut records = records.into_iter();

@@ -14,6 +14,7 @@ pub mod response;
 pub mod run_up;
 pub mod runs;
 pub mod scan;
+pub(crate) mod solid;
 pub mod stability;
 pub mod stiffness;
 pub mod sweep;

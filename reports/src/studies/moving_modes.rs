@@ -1,8 +1,8 @@
 //! Natural modes in motion, for the pages of `modes`, `response`, `sweep` and `stability`: the viewer of moving gears, and its still
 //! picture.
 
-use super::compare::solid;
 use super::modes::ModelModes;
+use super::solid;
 use crate::drawing::Chart;
 use crate::drawing::canvas::{Anchor, DrawError, Ink, Stroke, Type, draw, text_width};
 use crate::drawing::geometry::Rect;
@@ -159,7 +159,7 @@ fn still(model: &MovingModel<'_>) -> Result<Chart, DrawError> {
         caption: format!(
             "A mode of each model, all at the same phase; on paper and without scripts {} of {} at the amplitude, drawn \u{d7} {} and \
              without the deformation of bodies. The amplitude of a mode is arbitrary, here about 1 \u{b5}m at a flank; the \
-             factor of the drawing is below each picture, and magnified flanks overlap. Dashed: gears at rest.",
+             factor of the drawing is below each picture, and magnified flanks overlap. In a section, gears at rest are dashed.",
             counted(drawn.len(), "mode", "modes"),
             model.label,
             factors.join(", ")

@@ -5,6 +5,7 @@
 use crate::columns::{Columns, Value as Cell};
 use crate::markup::column::Format;
 use crate::metrics::Metric;
+use crate::numbers::short;
 use crate::record::SCHEMA;
 use crate::studies::tabular::{
     AGAINST, FrontPanel, TableChart, TableFront, TableRow, TabularRecord,
@@ -123,9 +124,23 @@ fn label(of: &Value) -> String {
     }
 }
 
-/// Choices on random scenes: numbers and texts of the list are the columns, under their keys.
+/// Converts choices on random scenes: numbers and texts of the list are columns under their keys, and ratios of costs and
+/// errors are added, which their chart has.
 fn choices(record: &mut Value) -> serde_json::Result<bool> {
-    let list = record["choices"].as_array().cloned().unwrap_or_default();
+    let mut list = record["choices"].as_array().cloned().unwrap_or_default();
+    const RATIOS: [(&str, &str, &str); 3] = [
+        ("cost_ratio", "cost_s", "cheapest_cost_s"),
+        ("error_over_tolerance", "error", "tolerance"),
+        ("predicted_over_tolerance", "predicted_error", "tolerance"),
+    ];
+    for choice in &mut list {
+        for (key, above, below) in RATIOS {
+            let [above, below] = [above, below].map(|k| choice[k].as_f64());
+            if let (Some(x), Some(of)) = (above, below.filter(|x| *x > 0.0)) {
+                choice[key] = json!(x / of);
+            }
+        }
+    }
     let mut keys: Vec<&String> = Vec::new();
     for (key, value) in list.iter().filter_map(Value::as_object).flatten() {
         if !keys.contains(&key) && !value.is_array() && !value.is_object() {
@@ -133,21 +148,44 @@ fn choices(record: &mut Value) -> serde_json::Result<bool> {
         }
     }
     let mut columns = Columns::<&Value>::of("choice_check.csv", "One row per scene");
-    for key in keys {
+    for key in keys.iter().copied() {
         let cell = move |r: &&Value| {
             serde_json::from_value::<Cell>(r[key].clone()).unwrap_or(Cell::Absent)
         };
         columns = columns.add(key, key.replace('_', " "), cell);
-        if ["scene", "outcome", "chosen"].contains(&key.as_str()) {
-            columns = columns.shown(&capital(key), Format::Text).result();
-        }
+        columns = match key.as_str() {
+            "scene" | "gears" => columns.shown(&capital(key), Format::Text),
+            "outcome" | "chosen" => columns.shown(&capital(key), Format::Text).result(),
+            "tolerance" => columns.shown("Tolerance", Format::Percents(2)),
+            "error" => columns.shown("Error", Format::Percents(2)).result(),
+            "predicted_error" => columns.shown("Predicted error", Format::Percents(2)),
+            "cost_ratio" => {
+                (columns.shown("Cost over the cheapest adequate", Format::Short(3))).result()
+            }
+            _ => columns,
+        };
     }
+    let chart = TableChart {
+        file: "choice_check".into(),
+        title: "Choices on random scenes".into(),
+        caption: "Processor time of the choice over that of the cheapest candidate that keeps the tolerance; error of the choice over \
+                  the tolerance, against the reference over the whole scene; error as predicted."
+            .into(),
+        abscissa: "number".into(),
+        ordinates: (RATIOS.iter().map(|(key, ..)| (*key).to_owned()))
+            .filter(|key| keys.contains(&key))
+            .collect(),
+        points: true,
+        levels: vec![1.0],
+        ..TableChart::default()
+    };
     let table = TabularRecord {
         name: "choice_check".into(),
         rows_are: "one row per scene".into(),
-        finding: vec![FINDING.into()],
+        finding: vec![outcomes(&list)],
         rows: list.iter().map(|r| columns.recorded_row(&r)).collect(),
         columns: columns.recorded(),
+        charts: (Some(chart).filter(|c| !c.ordinates.is_empty()).into_iter()).collect(),
         grouped_by: "kind".into(),
         ..TabularRecord::default()
     };
@@ -214,6 +252,28 @@ fn precision(record: &mut Value) -> serde_json::Result<bool> {
     put(record, &table)
 }
 
+/// Returns the sentence on the outcomes of choices, and on the median of their costs.
+fn outcomes(list: &[Value]) -> String {
+    let mut counts: Vec<(&str, usize)> = Vec::new();
+    for outcome in list.iter().filter_map(|c| c["outcome"].as_str()) {
+        match counts.iter_mut().find(|(known, _)| *known == outcome) {
+            Some((_, count)) => *count += 1,
+            None => counts.push((outcome, 1)),
+        }
+    }
+    let counts = counts.iter().map(|(outcome, n)| format!("{n} {outcome}"));
+    let mut ratios: Vec<f64> = (list.iter())
+        .filter_map(|c| c["cost_ratio"].as_f64())
+        .collect();
+    ratios.sort_by(f64::total_cmp);
+    let cost = ratios.get(ratios.len() / 2).map_or(String::new(), |ratio| {
+        let ratio = short(*ratio, 3);
+        format!("; their processor time is {ratio} times that of the cheapest adequate candidate in the median")
+    });
+    let counts = counts.collect::<Vec<_>>().join(", ");
+    format!("Choices in {} random scenes: {counts}{cost}.", list.len())
+}
+
 fn number(key: &'static str) -> impl Fn(&&Value) -> Option<f64> {
     move |r| r[key].as_f64()
 }
@@ -272,6 +332,28 @@ mod tests {
 
     use crate::record::Part;
     use crate::record::former::upgrade;
+
+    #[test]
+    fn lists_of_choices_become_tables_with_their_outcomes() {
+        let choice = |number: u32, outcome: &str, cost: f64| {
+            json!({"scene": format!("s-{number}"), "number": number, "kind": "one impact", "gears": "20/30", "outcome": outcome,
+                "chosen": "rigid", "tolerance": 0.05, "error": 0.01, "predicted_error": 0.02, "cost_s": cost, "cheapest_cost_s": 1e-5})
+        };
+        let old = json!({"schema": 1, "study": "choice-check", "scene": "s", "command": "", "machine": {}, "commit": "",
+            "created": "", "runs": [], "choices": [choice(1, "adequate", 1e-5), choice(2, "adequate", 3e-5), choice(3, "inadequate", 2e-5)]});
+        let results = upgrade(&old.to_string()).unwrap().unwrap();
+        results.validate().unwrap();
+        let Part::Tabular(table) = &results.part else {
+            panic!("{:?}", results.part)
+        };
+        let finding = "Choices in 3 random scenes: 2 adequate, 1 inadequate; their processor time is 2 times that of the cheapest \
+                       adequate candidate in the median.";
+        assert_eq!(table.finding, [finding]);
+        let rows = serde_json::to_value(&table.rows).unwrap();
+        let found = [&rows[1]["cost_ratio"], &rows[1]["error_over_tolerance"]];
+        assert!((found[0].as_f64().unwrap() - 3.0).abs() < 1e-12);
+        assert!((found[1].as_f64().unwrap() - 0.2).abs() < 1e-12);
+    }
 
     #[test]
     fn studies_of_runs_become_tables() {

@@ -5,7 +5,7 @@
 
 use super::{Kind, Yardstick};
 use crate::markup::failed_of;
-use crate::numbers::{limit, quantity, times};
+use crate::numbers::{limit, per_cent, quantity, times};
 use crate::record::{Run, SELF, Tolerance};
 use crate::studies::choose::Adequacy;
 use crate::view::{INTEGRATION, View, capital, resolution};
@@ -132,6 +132,17 @@ fn of_integration(view: &View<'_>) -> Markup {
     }
 }
 
+/// Returns the reason why a model is not decided, for the end of a sentence.
+fn undecided(view: &View<'_>) -> String {
+    match view.yardstick.as_ref().map(|y| (&y.title, y.error)) {
+        Some((title, Some(own))) => {
+            format!("{title} has an error of {} itself.", per_cent(own, 2))
+        }
+        Some((title, None)) => format!("the error of {title} itself is not known."),
+        None => "the error of the reference itself is not known.".into(),
+    }
+}
+
 /// Returns the sentence on the adequate models.
 fn within(view: &View<'_>, most: f64) -> Markup {
     let time = |r: &Run| quantity(r.cost_s(), "s", 3);
@@ -166,8 +177,8 @@ fn within(view: &View<'_>, most: f64) -> Markup {
         },
         (None, _) => match cheapest_of(with(Adequacy::NotDecided)) {
             Some(run) => html! {
-                "Not decided: whether " (did(run)) " is within the scene's tolerance (" (asked)
-                ") cannot be said, since the yardstick is not accurate enough itself."
+                "The cheapest run that may be within the scene's tolerance (" (asked) ") is " (did(run)) ". It is not decided, since "
+                (undecided(view))
             },
             None => {
                 let closest = (runs().filter(|r| !r.status.is_failure()))

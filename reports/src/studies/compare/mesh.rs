@@ -1,7 +1,6 @@
 //! Picture of the meshing teeth at peak force, with the contact forces.
 
 use super::motion::still;
-use super::solid;
 use crate::drawing::Chart;
 use crate::drawing::axis::nice_step;
 use crate::drawing::canvas::{Anchor, Canvas, DrawError, Ink, Stroke, Type, draw, text_width};
@@ -12,6 +11,7 @@ use crate::drawing::style::{curve_style, marker};
 use crate::markup::gears::Viewer;
 use crate::numbers::{counted, quantity, short};
 use crate::record::{ContactPoint, ContactSnapshot, GearMotion, Run};
+use crate::studies::solid;
 use crate::view::View;
 
 const GAP: f64 = 20.0;
@@ -117,8 +117,8 @@ pub(super) fn captioned(mut chart: Chart, moving: Option<&(Viewer, Vec<String>)>
     chart.caption = format!(
         "Moving gears of {}, all at the same time; on paper and without scripts a still picture. Arrows: force of each tooth \
          pair on the second gear of its mesh. Colours: contact pressure, or force per width. Tooth displacements are \
-         magnified by the factor that the list shows; dashed: teeth without displacement. Between frames, positions are \
-         interpolated. Still picture: {}{}",
+         magnified by the factor that the list shows; in a section, teeth without displacement are dashed. Between frames, \
+         positions are interpolated. Still picture: {}{}",
         counted(viewer.models, "model", "models"),
         chart.caption,
         match left_out.as_slice() {

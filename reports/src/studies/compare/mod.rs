@@ -12,7 +12,6 @@ pub(super) mod meshes;
 mod motion;
 pub(super) mod paths;
 mod pressure;
-pub(super) mod solid;
 mod teeth;
 mod timing;
 mod transmission;

@@ -88,13 +88,14 @@ pub(super) fn over_width(all: &[PeakLoads<'_>]) -> Result<Option<Chart>, DrawErr
         .collect();
     panel.curves = curves
         .into_iter()
-        .map(|(b, _, points)| {
+        .map(|(b, tooth, points)| {
             let points = points
                 .into_iter()
                 .map(|(x, y)| (x, y * prefix.factor))
                 .collect();
             Curve {
                 marker: Some((curve_style(b.style), 2.6, true)),
+                name: format!("tooth {tooth}"),
                 ..Curve::line(model_stroke(b.style), points)
             }
         })

@@ -1,12 +1,16 @@
-//! Still picture of gears in space: faces of their teeth from the back to the front, lines of contact and forces over them.
+//! Still picture of gears in space: faces of their teeth, shafts, carriers and bearings from the back to the front, lines of
+//! contact and forces over them.
 //!
 //! The view is that of the script of moving gears at its start: parallel projection, turned about the vertical and then about the
 //! horizontal of the picture.
+
+pub mod mechanism;
 
 use crate::drawing::canvas::{Canvas, Ink, Stroke};
 use crate::drawing::geometry::{Rect, simplified};
 use crate::drawing::heat::colour;
 use crate::record::{BodySection, FramePose, GearMotion, ToothedBody};
+use mechanism::{Mechanism, PartKind};
 
 /// Rotation of the view about the vertical and the horizontal of the picture [rad].
 const TURN: [f64; 2] = [-0.55, -0.5];
@@ -20,6 +24,10 @@ const BODIES: [Ink; 3] = [
     Ink(0xd8, 0xbf, 0x95, 1.0),
     Ink(0xa9, 0xc6, 0xa4, 1.0),
 ];
+/// Colours of shafts, carriers and bearings.
+const SHAFT: Ink = Ink(0xb9, 0xbf, 0xc6, 1.0);
+const CARRIER: Ink = Ink(0xcf, 0xc6, 0xd6, 1.0);
+const BEARING: Ink = Ink(0x7d, 0x87, 0x91, 1.0);
 /// Direction to the light in the axes of the view.
 const LIGHT: [f64; 3] = [0.35, 0.5, 0.8];
 
@@ -34,6 +42,27 @@ struct Face {
 
 fn dot(a: &Point, b: &Point) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+/// Returns `a + k b`.
+fn sum(a: &Point, b: &Point, k: f64) -> Point {
+    [0, 1, 2].map(|n| a[n] + k * b[n])
+}
+
+fn cross(a: &Point, b: &Point) -> Point {
+    [(1, 2), (2, 0), (0, 1)].map(|(m, n)| a[m] * b[n] - a[n] * b[m])
+}
+
+/// Returns the direction of a vector.
+fn unit(a: &Point) -> Point {
+    let length = dot(a, a).sqrt().max(f64::MIN_POSITIVE);
+    a.map(|x| x / length)
+}
+
+/// Returns the largest distance of the outline of a body from its axis.
+fn reach(body: &ToothedBody) -> f64 {
+    let points = body.outline(0).unwrap_or_default();
+    points.iter().map(|p| p[0].hypot(p[1])).fold(0.0, f64::max)
 }
 
 /// Returns a place or direction in space in the axes of the view: right, up, towards the reader.
@@ -171,6 +200,51 @@ fn body_faces(
     Ok(())
 }
 
+/// Adds the faces of shafts, bodies without teeth, carriers and bearings.
+fn mechanism_faces(
+    faces: &mut Vec<Face>,
+    motion: &GearMotion,
+    poses: &[FramePose],
+    start: &[FramePose],
+) {
+    let mechanism = Mechanism::of(motion);
+    for part in &mechanism.parts {
+        let ink = match part.kind {
+            PartKind::Turning => SHAFT,
+            PartKind::Carrier => CARRIER,
+            PartKind::Bearing => BEARING,
+        };
+        let place = |p: &Point| seen(&motion.view, p);
+        let rings: Vec<Vec<Point>> = (part.rings.iter())
+            .map(|ring| {
+                mechanism
+                    .points(ring, poses, start)
+                    .iter()
+                    .map(place)
+                    .collect()
+            })
+            .collect();
+        let (Some(first), Some(last)) = (rings.first(), rings.last()) else {
+            continue;
+        };
+        let closing = [last.clone(), first.clone()];
+        let pairs = rings
+            .windows(2)
+            .chain(part.is_hollow.then_some(&closing[..]));
+        for pair in pairs {
+            let [a, b] = [&pair[0], &pair[1]];
+            for n in 0..a.len() {
+                let next = (n + 1) % a.len();
+                add(faces, vec![a[n], a[next], b[next], b[n]], (ink, false));
+            }
+        }
+        if !part.is_hollow {
+            add(faces, first.iter().rev().copied().collect(), (ink, false));
+            add(faces, last.clone(), (ink, false));
+        }
+    }
+}
+
 /// Returns the corners of a polygon moved outwards by less than a pixel, so that no ground shines through between neighbours.
 fn widened(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
     const BY: f64 = 0.4;
@@ -195,15 +269,16 @@ pub fn paint(
     (frame, factor, ink): (usize, f64, Ink),
     area: &Rect,
 ) {
-    let poses: Option<Vec<FramePose>> = (motion.paths.iter())
-        .map(|p| p.magnified(factor).ok()?.get(frame).copied())
-        .collect();
-    let Some(poses) = poses else { return };
-    let mut faces = Vec::new();
-    let reach = |b: &ToothedBody| {
-        let points = b.outline(0).unwrap_or_default();
-        points.iter().map(|p| p[0].hypot(p[1])).fold(0.0, f64::max)
+    let poses = |frame: usize| -> Option<Vec<FramePose>> {
+        let paths = motion.paths.iter();
+        paths
+            .map(|p| p.magnified(factor).ok()?.get(frame).copied())
+            .collect()
     };
+    let (Some(start), Some(poses)) = (poses(0), poses(frame)) else {
+        return;
+    };
+    let mut faces = Vec::new();
     let extent = motion.bodies.iter().map(reach).fold(0.0, f64::max);
     for (i, (body, pose)) in motion.bodies.iter().zip(&poses).enumerate() {
         let of = (body, pose, BODIES[i % BODIES.len()]);
@@ -211,6 +286,7 @@ pub fn paint(
             return;
         }
     }
+    mechanism_faces(&mut faces, motion, &poses, &start);
     let corners = || faces.iter().flat_map(|f| &f.corners);
     let ends = [0, 1].map(|k| {
         let low = corners().map(|p| p[k]).fold(f64::INFINITY, f64::min);
