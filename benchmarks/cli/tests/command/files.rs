@@ -25,7 +25,10 @@ fn files_of_other_programs_are_named_for_what_they_are() {
         ),
         ("part.odb", &["Abaqus"]),
         ("part.cdb", &["is a mesh", "gearbench reduce part.cdb"]),
-        ("part.rst", &["Ansys", "CDWRITE", "gearbench reduce part.cdb"]),
+        (
+            "part.rst",
+            &["Ansys", "CDWRITE", "gearbench reduce part.cdb"],
+        ),
         ("part.bdf", &["Nastran", "meshio"]),
         ("part.vtu", &["ParaView", "gearbench reduce part.inp"]),
         (
