@@ -266,8 +266,13 @@ fn outcomes(list: &[Value]) -> String {
         .filter_map(|c| c["cost_ratio"].as_f64())
         .collect();
     ratios.sort_by(f64::total_cmp);
-    let cost = ratios.get(ratios.len() / 2).map_or(String::new(), |ratio| {
-        let ratio = short(*ratio, 3);
+    let middle = [ratios.len().saturating_sub(1) / 2, ratios.len() / 2];
+    let middle: Vec<f64> = middle
+        .iter()
+        .filter_map(|k| ratios.get(*k).copied())
+        .collect();
+    let cost = middle.first().map_or(String::new(), |first| {
+        let ratio = short(0.5 * (first + middle[middle.len() - 1]), 3);
         format!("; their processor time is {ratio} times that of the cheapest adequate candidate in the median")
     });
     let counts = counts.collect::<Vec<_>>().join(", ");
