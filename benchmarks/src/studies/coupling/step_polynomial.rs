@@ -2,6 +2,7 @@
 //! between two.
 
 use clap::ValueEnum;
+use std::fmt;
 
 /// Extrapolation of the forces on the hubs over a communication step, by the host.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
@@ -29,6 +30,12 @@ impl Extrapolation {
     }
 }
 
+impl fmt::Display for Extrapolation {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.as_str())
+    }
+}
+
 /// Interpolation of the hubs' motion between two communication points, by the gears.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum Motion {
@@ -40,12 +47,22 @@ pub enum Motion {
 }
 
 impl Motion {
+    /// All interpolations.
+    #[cfg(test)]
+    pub const ALL: [Self; 2] = [Self::Linear, Self::Cubic];
+
     /// Returns the word of the interpolation.
     pub fn as_str(self) -> &'static str {
         match self {
             Self::Linear => "linear",
             Self::Cubic => "cubic",
         }
+    }
+}
+
+impl fmt::Display for Motion {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.as_str())
     }
 }
 

@@ -132,7 +132,7 @@ fn tolerance(text: &str) -> Result<f64, String> {
 }
 
 /// Energy error of a coupling over the vibration energy above which it counts as unstable [-].
-const ALLOWED: f64 = 0.5;
+pub(super) const ALLOWED: f64 = 0.5;
 /// Energy error of a coupling over the vibration energy at which a run is given up [-].
 const HOPELESS: f64 = 1e3;
 /// Largest default communication step over the time `1/omega` of the hubs on their teeth.

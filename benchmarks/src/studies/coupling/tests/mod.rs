@@ -6,8 +6,8 @@ mod study;
 
 use super::exchange::{Bounds, CoupledRun, CouplingScheme, End, exchange};
 use super::frames::{Frame, PrescribedScene, frames};
-use super::plan::ALLOWED;
 use super::step_polynomial::StepPolynomial;
+use super::study::ALLOWED;
 use super::{stiffness, theory};
 use crate::context::Context;
 use crate::experiment::configuration::Configuration;
