@@ -18,7 +18,7 @@ COMMAND = os.environ.get("GEARBENCH_COMMAND") or shutil.which("gearbench")
 OF_THE_CLOCK = set(
     "wall_s wall_spread_s repeats setup_s solve_s cost_s predicted_cost_s cpu_s "
     "cpu_per_simulated_time cpu_per_step_s cpu_per_evaluation_s estimate_s finding created "
-    "machine cpu command reason".split()
+    "on_front machine cpu command reason".split()
 )
 # Histories are compared apart; names of files are those of a folder; commits of two builds may
 # differ.

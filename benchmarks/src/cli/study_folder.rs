@@ -23,11 +23,11 @@ use crate::experiment::journal::{JOURNAL, Journal, JournalError, Subject};
 use crate::experiment::runner::Runner;
 use crate::messages::Messages;
 use crate::scene_file::SceneFile;
-use gearbench_reports::RECORD;
 use gearbench_reports::measured::MeasuredCurve;
 use gearbench_reports::record::{
     Part, Results, Run, SCHEMA, Source, Status, StudyHeader, damping_differs,
 };
+use gearbench_reports::{RECORD, Study};
 use serde::Deserialize;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -552,6 +552,9 @@ fn refuse_input(folder: &Path, input: &Path) -> Result<(), Refusal> {
 struct RecordedHeader {
     schema: u32,
     study: String,
+    /// Name of a study whose results are one table.
+    #[serde(default)]
+    name: Option<String>,
     scene: String,
     command: String,
     #[serde(default)]
@@ -618,7 +621,11 @@ fn belongs_to(
         _ => kept.scene == name,
     };
     let models = super::models_of(&kept.command).map(|m| m.as_deref().map(in_order));
-    let other = match (kept.study == subject.study, same_scene) {
+    let study = match kept.study == Study::Tabular.as_str() {
+        true => kept.name.as_deref().unwrap_or_default(),
+        false => &kept.study,
+    };
+    let other = match (study == subject.study, same_scene) {
         (false, _) => "another study",
         (_, false) => "another scene of the same name",
         // The command line of another version may be unreadable; it is then ignored.

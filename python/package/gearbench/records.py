@@ -44,12 +44,6 @@ DataKind = Literal[
     "compliance",
 ]
 
-Extrapolation = Literal[
-    "constant",
-    "linear",
-    "quadratic",
-]
-
 FlankValue = Literal[
     "pressure",
     "line-load",
@@ -108,11 +102,6 @@ Metric = Literal[
     "torque_l2",
     "torque_peak_rel",
     "energy_drift_rel",
-]
-
-Motion = Literal[
-    "linear",
-    "cubic",
 ]
 
 Outcome = Literal[
@@ -601,115 +590,6 @@ class ConvergedSettings(RecordBase):
 
 
 @dataclass(kw_only=True, repr=True)
-class Coupling(RecordBase):
-    """A model under one extrapolation of forces and one interpolation of motion.
-
-    Attributes
-    ----------
-    cells : list[CouplingCell]
-        Runs, from the smallest communication step to the largest.
-    contact_s : float | None
-        Time in contact of the run as one system [s].
-    damping_ratio : float | None
-        Damping ratio of that vibration [-].
-    energy_j : float | None
-        Reference energy of the energy errors [J]: the energy that vibrates and passes through
-        contacts in the run as one system.
-    extrapolation : Extrapolation
-        Extrapolation of the forces on the hubs.
-    frequency_hz : float | None
-        Natural frequency of the hubs on the static stiffness of the gears in contact [Hz].
-    integrator : str
-        Integrator of the gears.
-    model : str
-        Id of the model.
-    motion : Motion
-        Interpolation of the motion of the hubs.
-    refined : list[CouplingCell]
-        Runs that narrow the bracket of the largest stable step, in the order they were made.
-    residual : bool | None
-        True if the truncated modes are kept as residual compliance (elastic model).
-    step_s : float | None
-        Fixed step of that integrator [s]; absent under a tolerance.
-    theory_s : float | None
-        Communication step from which on linear theory has the coupling make up more energy than
-        is allowed [s].
-    variant : str | None
-        Variant that distinguishes the model from others of its id.
-    """
-
-    cells: list[CouplingCell]
-    contact_s: float | None = None
-    damping_ratio: float | None = None
-    energy_j: float | None = None
-    extrapolation: Extrapolation
-    frequency_hz: float | None = None
-    integrator: str
-    model: str
-    motion: Motion
-    refined: list[CouplingCell] = field(default_factory=list)
-    residual: bool | None = None
-    step_s: float | None = None
-    theory_s: float | None = None
-    variant: str | None = None
-
-
-@dataclass(kw_only=True, repr=True)
-class CouplingCell(RecordBase):
-    """A run in two parts.
-
-    Attributes
-    ----------
-    energy_error_j : float | None
-        Energy error of the coupling [J]: work of the extrapolated forces on the host, less that
-        of the gears along their motion.
-    energy_error_rel : float | None
-        Energy error of the coupling over the energy that vibrates [-].
-    energy_error_step_rel : float | None
-        Largest magnitude of the energy error in one communication step, over the energy that
-        vibrates [-].
-    exchanges : int
-        Number of communication steps.
-    force_l2 : float | None
-        Relative L2 error of the force history against the run as one system [-].
-    message : str | None
-        Reason of the status.
-    reached_s : float | None
-        Simulated time reached [s].
-    rebound_rel : float | None
-        Largest deviation of the last speed of a gear over the span of its speed [-].
-    status : Status
-        Status of the run.
-    step_s : float
-        Communication step [s].
-    """
-
-    energy_error_j: float | None = None
-    energy_error_rel: float | None = None
-    energy_error_step_rel: float | None = None
-    exchanges: int
-    force_l2: float | None = None
-    message: str | None = None
-    reached_s: float | None = None
-    rebound_rel: float | None = None
-    status: Status
-    step_s: float
-
-
-@dataclass(kw_only=True, repr=True)
-class CouplingRecord(RecordBase):
-    """The part of a record that is specific to a study of coupling.
-
-    Attributes
-    ----------
-    couplings : list[Coupling]
-        Couplings, model by model.
-    """
-
-    couplings: list[Coupling]
-
-
-@dataclass(kw_only=True, repr=True)
 class DataRecord(RecordBase):
     """A data set with the values of the fitted model at the same abscissa.
 
@@ -1063,6 +943,22 @@ class FrameContacts(RecordBase):
     value: FlankValue
     values: Quantised
     widths_m: Quantised
+
+
+@dataclass(kw_only=True, repr=True)
+class FrontPanel(RecordBase):
+    """A panel of a chart with fronts.
+
+    Attributes
+    ----------
+    rows : TableRow
+        Values of columns that all rows of the panel have; a failed row may lack them.
+    title : str
+        Heading of the panel; empty for none.
+    """
+
+    rows: TableRow
+    title: str = ""
 
 
 @dataclass(kw_only=True, repr=True)
@@ -2187,19 +2083,6 @@ class PlanetShare(RecordBase):
 
 
 @dataclass(kw_only=True, repr=True)
-class PrecisionRecord(RecordBase):
-    """The part of a record that is specific to a study of accuracy against cost.
-
-    Attributes
-    ----------
-    metrics : list[Metric]
-        Metrics that the study is about, the first one above all.
-    """
-
-    metrics: list[Metric] = field(default_factory=list)
-
-
-@dataclass(kw_only=True, repr=True)
 class ProfileRecord(RecordBase):
     """Rise of the sum of squares of a fit with one parameter held away from its estimate.
 
@@ -3136,6 +3019,28 @@ class Stored(RecordBase):
 
 
 @dataclass(kw_only=True, repr=True)
+class SummaryTable(RecordBase):
+    """A table that sums up rows of the study, one row for each series of them.
+
+    Attributes
+    ----------
+    columns : list[TableColumn]
+        Columns of the table.
+    remark : str
+        Remark below the table.
+    rows : list[TableRow]
+        Rows of the table.
+    title : str
+        Title of the table.
+    """
+
+    columns: list[TableColumn]
+    remark: str = ""
+    rows: list[TableRow]
+    title: str
+
+
+@dataclass(kw_only=True, repr=True)
 class SweepRecord(RecordBase):
     """The part of a record that is specific to loaded running.
 
@@ -3160,6 +3065,8 @@ class TableChart(RecordBase):
         Sentence below the chart.
     file : str
         Name of the file, without ending.
+    front : TableFront | None
+        Pareto fronts; without them a chart has a curve for each group.
     levels : FloatArray
         Levels of the ordinates that are drawn as limits, in the units of their columns.
     limit : str
@@ -3171,23 +3078,35 @@ class TableChart(RecordBase):
         Key of a column whose texts name points; empty if none has a name.
     ordinates : list[str]
         Keys of the columns of ordinates.
+    panels_by : str
+        Key of a column of which each value has panels of its own; empty for common panels.
     points : bool
         True if points are not joined, as those of independent rows.
     title : str
         Title of the chart.
+    verticals : str
+        Key of a column, in the unit of the abscissae, at whose values vertical lines stand in
+        the colours of their groups; empty for none.
+    within : tuple[float, float] | None
+        Least and greatest ordinate, at which values beyond are drawn; in the units of the
+        columns.
     """
 
     _arrays: ClassVar[tuple[str, ...]] = ("levels",)
     abscissa: str
     caption: str
     file: str
+    front: TableFront | None = None
     levels: FloatArray = field(default_factory=_empty)
     limit: str = ""
     magnitudes: bool = False
     marks: str = ""
     ordinates: list[str]
+    panels_by: str = ""
     points: bool = False
     title: str
+    verticals: str = ""
+    within: tuple[float, float] | None = None
 
 
 @dataclass(kw_only=True, repr=True)
@@ -3216,6 +3135,31 @@ class TableColumn(RecordBase):
 
 
 @dataclass(kw_only=True, repr=True)
+class TableFront(RecordBase):
+    """The Pareto fronts of a chart: rows that no other row of their panel beats in abscissa and
+    magnitude of the ordinate.
+
+    Attributes
+    ----------
+    joined_by : str
+        Key of a column; the rows of one group and one value are joined along their own front.
+        Empty for no such lines.
+    named_by : list[str]
+        Keys of the columns whose values name a point.
+    panels : list[FrontPanel]
+        Panels of the chart, each with the front of its rows.
+    without : str
+        Key of a column; rows with a value there have no part in the full front, and a dotted
+        one takes them in. Empty if all rows have a part in the front.
+    """
+
+    joined_by: str = ""
+    named_by: list[str]
+    panels: list[FrontPanel]
+    without: str = ""
+
+
+@dataclass(kw_only=True, repr=True)
 class TabularRecord(RecordBase):
     """The part of a record of a study whose results are one table.
 
@@ -3237,6 +3181,8 @@ class TabularRecord(RecordBase):
         Rows of the table, failed ones included.
     rows_are : str
         Sentence on the rows of the table.
+    summaries : list[SummaryTable]
+        Tables that sum the rows up, which stand before them.
     """
 
     charts: list[TableChart] = field(default_factory=list)
@@ -3247,6 +3193,7 @@ class TabularRecord(RecordBase):
     remark: str = ""
     rows: list[TableRow]
     rows_are: str
+    summaries: list[SummaryTable] = field(default_factory=list)
 
 
 @dataclass(kw_only=True, repr=True)
@@ -3534,68 +3481,6 @@ class CompareResult(StudyResult):
     study: str = ""
     published: str | None = None
     yardstick: Yardstick | None = None
-
-
-@dataclass(kw_only=True, repr=False)
-class PrecisionResult(StudyResult):
-    """The record of the study `precision`.
-
-    Attributes
-    ----------
-    command : str
-        Command line that makes the record again.
-    commit : str
-        Commit of gearbench, with a mark when the tree had changes.
-    created : str
-        Time of the study (RFC 3339), as given by the caller.
-    further : list[StudyResult]
-        Records of the further scenes of a study of several scenes, in the order of its command,
-        each as the study of that scene alone has it.
-    machine : Machine | None
-        Computer the times were measured on.
-    measured : list[MeasuredCurve]
-        Measured curves that the tables of the study are compared with.
-    mesh_modes : list[MeshMode]
-        The mesh mode of each model, of studies of models of a scene with loads.
-    references : list[ReferenceSeries]
-        Independent references; charts show the first one as the dark line.
-    runs : list[Run]
-        The runs, failed ones included, in the order to be shown.
-    scene : str
-        Name of the scene.
-    schema : int
-        Format version, `SCHEMA`.
-    settings : dict[str, str]
-        Settings of the scene in the order of display: name, and value with unit.
-    source : Source | None
-        Inputs of the record; `None` in records of versions that did not keep them.
-    title : str
-        One line that describes the simulation.
-    tolerance : Tolerance | None
-        Tolerance of the scene; absent where it states none.
-    study : str
-        Name of the study.
-    metrics : list[Metric]
-        Metrics that the study is about, the first one above all.
-    """
-
-    command: str = ""
-    commit: str = ""
-    created: str = ""
-    further: list[StudyResult] = field(default_factory=list)
-    machine: Machine | None = None
-    measured: list[MeasuredCurve] = field(default_factory=list)
-    mesh_modes: list[MeshMode] = field(default_factory=list)
-    references: list[ReferenceSeries] = field(default_factory=list)
-    runs: list[Run] = field(default_factory=list)
-    scene: str = ""
-    schema: int = 0
-    settings: dict[str, str] = field(default_factory=dict)
-    source: Source | None = None
-    title: str = ""
-    tolerance: Tolerance | None = None
-    study: str = ""
-    metrics: list[Metric] = field(default_factory=list)
 
 
 @dataclass(kw_only=True, repr=False)
@@ -4049,68 +3934,6 @@ class ResponseResult(StudyResult):
 
 
 @dataclass(kw_only=True, repr=False)
-class CouplingResult(StudyResult):
-    """The record of the study `coupling`.
-
-    Attributes
-    ----------
-    command : str
-        Command line that makes the record again.
-    commit : str
-        Commit of gearbench, with a mark when the tree had changes.
-    created : str
-        Time of the study (RFC 3339), as given by the caller.
-    further : list[StudyResult]
-        Records of the further scenes of a study of several scenes, in the order of its command,
-        each as the study of that scene alone has it.
-    machine : Machine | None
-        Computer the times were measured on.
-    measured : list[MeasuredCurve]
-        Measured curves that the tables of the study are compared with.
-    mesh_modes : list[MeshMode]
-        The mesh mode of each model, of studies of models of a scene with loads.
-    references : list[ReferenceSeries]
-        Independent references; charts show the first one as the dark line.
-    runs : list[Run]
-        The runs, failed ones included, in the order to be shown.
-    scene : str
-        Name of the scene.
-    schema : int
-        Format version, `SCHEMA`.
-    settings : dict[str, str]
-        Settings of the scene in the order of display: name, and value with unit.
-    source : Source | None
-        Inputs of the record; `None` in records of versions that did not keep them.
-    title : str
-        One line that describes the simulation.
-    tolerance : Tolerance | None
-        Tolerance of the scene; absent where it states none.
-    study : str
-        Name of the study.
-    couplings : list[Coupling]
-        Couplings, model by model.
-    """
-
-    command: str = ""
-    commit: str = ""
-    created: str = ""
-    further: list[StudyResult] = field(default_factory=list)
-    machine: Machine | None = None
-    measured: list[MeasuredCurve] = field(default_factory=list)
-    mesh_modes: list[MeshMode] = field(default_factory=list)
-    references: list[ReferenceSeries] = field(default_factory=list)
-    runs: list[Run] = field(default_factory=list)
-    scene: str = ""
-    schema: int = 0
-    settings: dict[str, str] = field(default_factory=dict)
-    source: Source | None = None
-    title: str = ""
-    tolerance: Tolerance | None = None
-    study: str = ""
-    couplings: list[Coupling] = field(default_factory=list)
-
-
-@dataclass(kw_only=True, repr=False)
 class RunUpResult(StudyResult):
     """The record of the study `run-up`.
 
@@ -4386,6 +4209,8 @@ class TabularResult(StudyResult):
         Rows of the table, failed ones included.
     rows_are : str
         Sentence on the rows of the table.
+    summaries : list[SummaryTable]
+        Tables that sum the rows up, which stand before them.
     """
 
     command: str = ""
@@ -4412,11 +4237,11 @@ class TabularResult(StudyResult):
     remark: str = ""
     rows: list[TableRow] = field(default_factory=list)
     rows_are: str = ""
+    summaries: list[SummaryTable] = field(default_factory=list)
 
 
 RESULTS: dict[str, type[StudyResult]] = {
     "compare": CompareResult,
-    "precision": PrecisionResult,
     "stability": StabilityResult,
     "choose": ChooseResult,
     "check": CheckResult,
@@ -4424,7 +4249,6 @@ RESULTS: dict[str, type[StudyResult]] = {
     "identify": IdentifyResult,
     "modes": ModesResult,
     "response": ResponseResult,
-    "coupling": CouplingResult,
     "run-up": RunUpResult,
     "stiffness": StiffnessResult,
     "scan": ScanResult,

@@ -99,8 +99,8 @@ def reduce(scene: Any, gear: str | None = None, **options: Any) -> Reduction:
     gear : str, optional
         Name of the gear; needed where a scene has several.
     **options
-        Options of the command `gearbench reduce`, as ``modes``, ``max_frequency``, and ``matrices`` for stiffness and mass
-        that another program wrote.
+        Options of the command `gearbench reduce`, as ``modes``, ``max_frequency``, and ``matrices``
+        for stiffness and mass that another program wrote.
     """
     from .scene import Scene, warn
 

@@ -12,7 +12,6 @@ from .records import (
     CheckResult,
     ChooseResult,
     CompareResult,
-    CouplingResult,
     IdentifyResult,
     ModesResult,
     ResponseResult,
@@ -78,29 +77,6 @@ def choose(
     memory: float | None = ...,
 ) -> ChooseResult:
     """Choose the cheapest model, integrator and step that meet a tolerance on a scene, with reasons."""
-
-def precision(
-    scene: Scene | Text,
-    *,
-    progress: Progress | None = ...,
-    models: Text | float | bool | Sequence[Any] | None = ...,
-    metric: Text | float | bool | Sequence[Any] | None = ...,
-    against: Text | float | bool | Sequence[Any] | None = ...,
-    integrators: Text | float | bool | Sequence[Any] | None = ...,
-    modes: int | None = ...,
-    steps: float | None = ...,
-    rtols: float | None = ...,
-    out: Text | float | bool | Sequence[Any] | None = ...,
-    measured: Text | float | bool | Sequence[Any] | Mapping[str, Any] | None = ...,
-    fresh: bool | None = ...,
-    force: bool | None = ...,
-    repeats: int | None = ...,
-    timeout: float | None = ...,
-    budget: float | None = ...,
-    any_reference: bool | None = ...,
-    memory: float | None = ...,
-) -> TabularResult:
-    """Compute error and cost of every model, integrator and resolution of a scene, and the Pareto front."""
 
 def stability(
     scene: Scene | Text,
@@ -272,27 +248,6 @@ def identify(
 ) -> IdentifyResult:
     """Fit stiffness, tooth mass and time of first contact of the models to the scene's reference."""
 
-def coupling(
-    scene: Scene | Text,
-    *,
-    progress: Progress | None = ...,
-    models: Text | float | bool | Sequence[Any] | None = ...,
-    steps: Text | float | bool | Sequence[Any] | None = ...,
-    extrapolations: Text | float | bool | Sequence[Any] | None = ...,
-    motions: Text | float | bool | Sequence[Any] | None = ...,
-    integrator: Text | float | bool | Sequence[Any] | None = ...,
-    tolerance: float | None = ...,
-    duration: float | None = ...,
-    threads: int | None = ...,
-    out: Text | float | bool | Sequence[Any] | None = ...,
-    measured: Text | float | bool | Sequence[Any] | Mapping[str, Any] | None = ...,
-    fresh: bool | None = ...,
-    force: bool | None = ...,
-    timeout: float | None = ...,
-    memory: float | None = ...,
-) -> CouplingResult:
-    """Couple the gears to a host that moves their hubs: error, energy and stability over the communication step."""
-
 def check(
     scene: Scene | Text,
     *,
@@ -366,6 +321,50 @@ def truncation(
 ) -> TabularResult:
     """Compute the error of the elastic model over the number of modes, against full finite elements on the same mesh."""
 
+def coupling(
+    scene: Scene | Text,
+    *,
+    progress: Progress | None = ...,
+    models: Text | float | bool | Sequence[Any] | None = ...,
+    steps: Text | float | bool | Sequence[Any] | None = ...,
+    extrapolations: Text | float | bool | Sequence[Any] | None = ...,
+    motions: Text | float | bool | Sequence[Any] | None = ...,
+    integrator: Text | float | bool | Sequence[Any] | None = ...,
+    tolerance: float | None = ...,
+    duration: float | None = ...,
+    threads: int | None = ...,
+    out: Text | float | bool | Sequence[Any] | None = ...,
+    measured: Text | float | bool | Sequence[Any] | Mapping[str, Any] | None = ...,
+    fresh: bool | None = ...,
+    force: bool | None = ...,
+    timeout: float | None = ...,
+    memory: float | None = ...,
+) -> TabularResult:
+    """Couple the gears to a host that moves their hubs: error, energy and stability over the communication step."""
+
+def precision(
+    scene: Scene | Text,
+    *,
+    progress: Progress | None = ...,
+    models: Text | float | bool | Sequence[Any] | None = ...,
+    metric: Text | float | bool | Sequence[Any] | None = ...,
+    against: Text | float | bool | Sequence[Any] | None = ...,
+    integrators: Text | float | bool | Sequence[Any] | None = ...,
+    modes: int | None = ...,
+    steps: float | None = ...,
+    rtols: float | None = ...,
+    out: Text | float | bool | Sequence[Any] | None = ...,
+    measured: Text | float | bool | Sequence[Any] | Mapping[str, Any] | None = ...,
+    fresh: bool | None = ...,
+    force: bool | None = ...,
+    timeout: float | None = ...,
+    repeats: int | None = ...,
+    budget: float | None = ...,
+    any_reference: bool | None = ...,
+    memory: float | None = ...,
+) -> TabularResult:
+    """Compute error and cost of every model, integrator and resolution of a scene, and the Pareto front."""
+
 def mesh(
     scene: Scene | Text,
     *,
@@ -403,7 +402,7 @@ def reference(
     distance: float | None = ...,
     duration: float | None = ...,
     out: Text | float | bool | Sequence[Any] | None = ...,
-    digits: int | None = ...,
+    digits: Text | float | bool | Sequence[Any] | None = ...,
     force: bool | None = ...,
     name: Text | float | bool | Sequence[Any] | None = ...,
     add: bool | None = ...,

@@ -42,7 +42,7 @@ pub use source::Source;
 
 /// Keys of values that depend on the clock or on the machine: two records of one study may differ in these, at every
 /// depth.
-pub const OF_THE_CLOCK: [&str; 18] = [
+pub const OF_THE_CLOCK: [&str; 19] = [
     "wall_s",
     "wall_spread_s",
     "repeats",
@@ -55,6 +55,8 @@ pub const OF_THE_CLOCK: [&str; 18] = [
     "cpu_per_step_s",
     "cpu_per_evaluation_s",
     "estimate_s",
+    // Of runs that are cheap for their error.
+    "on_front",
     // Sentences on times; other findings follow from what is compared.
     "finding",
     "created",

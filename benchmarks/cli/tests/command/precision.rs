@@ -53,7 +53,7 @@ fn every_resolution_is_a_row_with_both_errors() {
     let folder = Folder::new();
     folder.says(
         "precision spur_impact --models rigid,rigid-iso6336 --integrators velocity-verlet,dopri5,rk4@1us \
-         --steps 100us,2us,500ns --rtols 1e-3,1e-6 --repeats 1 --out p",
+         --steps 1e-4,2e-6,5e-7 --rtols 1e-3,1e-6 --repeats 1 --out p",
     );
     let results = gearbench_reports::load_results(&folder.at("p")).unwrap();
     assert_eq!(results.runs.len(), 2 * (3 + 2 + 1));
