@@ -16,7 +16,8 @@ import pytest
 COMMAND = os.environ.get("GEARBENCH_COMMAND") or shutil.which("gearbench")
 # Keys whose values depend on the clock and the machine, as `OF_THE_CLOCK` of the record.
 OF_THE_CLOCK = set(
-    "wall_s wall_spread_s repeats setup_s solve_s cost_s predicted_cost_s cpu_s "
+    "wall_s wall_spread_s wall_min_s wall_max_s repeats setup_s solve_s cost_s "
+    "predicted_cost_s cpu_s summaries "
     "cpu_per_simulated_time cpu_per_step_s cpu_per_evaluation_s estimate_s finding created "
     "on_front machine cpu command reason".split()
 )

@@ -103,7 +103,7 @@ mod tests {
         for (a, b) in found.omega2.iter().zip(&exact.omega2) {
             assert!(*a >= b * (1.0 - 1e-13) && a / b - 1.0 < 1e-9, "{a} {b}");
         }
-        let mass = &found.vectors.transpose()
+        let mass = found.vectors.transpose()
             * &Mat::from_fn(n, 6, |i, j| {
                 (1.0 + 0.1 * (i % 3) as f64) * found.vectors[(i, j)]
             });

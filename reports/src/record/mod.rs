@@ -42,9 +42,11 @@ pub use source::Source;
 
 /// Keys of values that depend on the clock or on the machine: two records of one study may differ in these, at every
 /// depth.
-pub const OF_THE_CLOCK: [&str; 19] = [
+pub const OF_THE_CLOCK: [&str; 22] = [
     "wall_s",
     "wall_spread_s",
+    "wall_min_s",
+    "wall_max_s",
     "repeats",
     "setup_s",
     "solve_s",
@@ -57,8 +59,9 @@ pub const OF_THE_CLOCK: [&str; 19] = [
     "estimate_s",
     // Of runs that are cheap for their error.
     "on_front",
-    // Sentences on times; other findings follow from what is compared.
+    // Sentences and tables on times; others follow from what is compared.
     "finding",
+    "summaries",
     "created",
     "machine",
     // The processor of a stored baseline.

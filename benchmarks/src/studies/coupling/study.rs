@@ -398,7 +398,7 @@ impl TabularStudy for Coupling {
         columns
             .add("extrapolation", "extrapolation of the forces on hubs of a host: `constant`, `linear`, `quadratic`; empty as one system", move |f| scheme(f).map(|s| s.extrapolation.as_str()))
             .add("motion", "interpolation of the motion of hubs between communication points: `linear`, `cubic`", move |f| scheme(f).map(|s| s.motion.as_str()))
-            .add("manner", "extrapolation, and the interpolation unless it is linear", move |f| scheme(f).map(|s| manner(s))).shown("Extrapolation", Format::Text).result()
+            .add("manner", "extrapolation, and the interpolation unless it is linear", move |f| scheme(f).map(manner)).shown("Extrapolation", Format::Text).result()
             .add(STEP, "communication step of host and gears", move |f| scheme(f).map(|s| s.step)).shown("Communication step", Format::Quantities(3)).result()
             .add("force_l2", "relative L2 error of the force history against the model as one system", metric(Metric::ForceL2)).shown("Force, L2", Format::Percents(3)).result()
             .add("rebound_rel", "greatest error of a final speed over the range of that speed", metric(Metric::Rebound)).shown("Speeds at the end", Format::Percents(3)).result()

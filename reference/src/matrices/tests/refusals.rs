@@ -17,6 +17,9 @@ fn edited(files: &Files, name: &str, line: usize, text: &str) -> Files {
     files.clone().with(name, lines.join("\n"))
 }
 
+/// Files, the stiffness and the damaged file, the line, its new text, and what the refusal says.
+type Damaged<'a> = (&'a Files, &'a str, &'a str, usize, &'a str, &'a [&'a str]);
+
 #[test]
 fn damaged_lines_are_named() {
     let body = Body::small();
@@ -25,7 +28,7 @@ fn damaged_lines_are_named() {
     let abaqus = printed::abaqus(a, "j");
     let ansys = printed::ansys(a, "w");
     let market = printed::numbered(a, "m", "%%MatrixMarket matrix coordinate real general");
-    let cases: Vec<(&Files, &str, &str, usize, &str, &[&str])> = vec![
+    let cases: Vec<Damaged<'_>> = vec![
         (
             &calculix,
             "g.sti",
