@@ -330,7 +330,6 @@ pub fn table(choices: &[ValidatedChoice]) -> TabularRecord {
     let mut all: Vec<&ValidatedChoice> = choices.iter().collect();
     all.sort_by_key(|s| s.number);
     TabularRecord {
-        summaries: Vec::new(),
         name: NAME.into(),
         rows_are: "one row per scene".into(),
         finding: finding(choices),
