@@ -10,7 +10,7 @@ fn git(args: &[&str]) -> Option<String> {
 /// Variable that names the commit where the sources are a copy without their history, as in a container.
 pub const COMMIT_VARIABLE: &str = "GEARBENCH_COMMIT";
 
-/// Commit of the checkout in the working folder, or `unknown`; `+` marks a tree with changes. [`COMMIT_VARIABLE`] replaces it.
+/// Commit of the checkout in the working folder, or `unknown`; `+` marks a tree with changes. The variable `GEARBENCH_COMMIT` replaces it.
 pub fn commit_of_checkout() -> String {
     if let Some(named) = std::env::var(COMMIT_VARIABLE)
         .ok()

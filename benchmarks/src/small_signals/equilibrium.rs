@@ -34,8 +34,6 @@ const LEFT: f64 = 0.5;
 const FOUND: f64 = 1e-7;
 /// Residual forces on gears without contact below this share of all forces are rounding errors.
 const ROUNDING: f64 = 1e-10;
-/// Share of the forces that a step with a kept linearisation may leave.
-const REDUCED: f64 = 0.2;
 /// Bounds on the number of Newton steps, and of bisections of one step.
 const MOST_STEPS: u32 = 200;
 const MOST_HALVINGS: u32 = 45;
@@ -278,27 +276,12 @@ pub fn loaded(
     let mut steps = 0;
     let mut bound = BOUND;
     let farthest = BOUND.max(FARTHEST / search.deflection);
-    // The last linearisation with its modes, and the size of the forces before its last step.
-    let mut kept: Option<(LinearisedScene, Modes, f64)> = None;
     loop {
         patience.check()?;
+        let mut linear = search.scene.without_damping(s.at());
+        let modes = search.space.modes(&linear.stiffness)?;
         let all = search.forces(&s);
-        let force = search.space.force(&all);
-        // A linearisation costs as many evaluations as there are coordinates: it is kept while its steps converge.
-        let still = kept.take().and_then(|(linear, modes, before)| {
-            let on = modes.vectors.tr_mul(&force);
-            (on.norm() <= REDUCED * before).then_some((linear, modes, on))
-        });
-        let is_fresh = still.is_none();
-        let (mut linear, modes, on) = match still {
-            Some(still) => still,
-            None => {
-                let linear = search.scene.without_damping(s.at());
-                let modes = search.space.modes(&linear.stiffness)?;
-                let on = modes.vectors.tr_mul(&force);
-                (linear, modes, on)
-            }
-        };
+        let on = modes.vectors.tr_mul(&search.space.force(&all));
         if on.iter().any(|x| !x.is_finite()) {
             return Err(LoadedStateError::Matrices("its forces are not finite"));
         }
@@ -308,9 +291,6 @@ pub fn loaded(
         let pushes = apart > ROUNDING * search.space.size_of(&all);
         let mut step = search.answer(&modes, &on, 0.0);
         let balanced = !pushes && step.largest <= FOUND;
-        if balanced && !is_fresh {
-            continue;
-        }
         let acting = search.scene.acting_sides(s.at());
         if loads && balanced && acting != sides && steps < MOST_STEPS {
             steps += 1;
@@ -362,11 +342,6 @@ pub fn loaded(
         }
         let part = search.part_of(&s, &step.x, &modes, &on);
         // Bodies without contact along the step may move further.
-        let before = match part {
-            // The forces are those of the linearisation still.
-            LineSearch::Free => f64::INFINITY,
-            LineSearch::Met(_) => on.norm(),
-        };
         bound = match part {
             LineSearch::Free => (2.0 * bound).min(farthest),
             LineSearch::Met(_) => BOUND,
@@ -376,6 +351,5 @@ pub fn loaded(
             LineSearch::Met(part) => part,
         };
         s = search.moved(&s, &step.x, low);
-        kept = Some((linear, modes, before));
     }
 }

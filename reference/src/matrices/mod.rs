@@ -6,7 +6,7 @@
 //! | `calculix`, `abaqus`, `harwell_boeing`, `arrays` | matrices of CalculiX, Abaqus, Ansys, and of any program by numpy |
 //! | `shapes` | mode shapes that CalculiX and Abaqus print |
 //! | `entries` | a symmetric matrix from a triangle or from both |
-//! | [`on_mesh`](SystemMatrices::on_mesh) | the matrices over the nodes of a gear in its own frame, in SI units, with the checks of an unconstrained body |
+//! | `on_mesh` | the matrices over the nodes of a gear in its own frame, in SI units, with the checks of an unconstrained body |
 //!
 //! The matrices are those of the whole unconstrained body: the reduction ties the bore to the hub itself, as it does
 //! with its own matrices. `docs/modal.md` describes what each program must be told.
