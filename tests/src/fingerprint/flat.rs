@@ -10,8 +10,19 @@ use std::path::Path;
 const SHORT: usize = 6;
 
 /// Parts of names whose values are times, or depend on times or on the machine.
-const TIMED: [&str; 10] = [
-    "wall", "setup", "repeats", "machine", "commit", "created", "command", "cost", "solve_s", "cpu",
+const TIMED: [&str; 12] = [
+    "wall",
+    "setup",
+    "repeats",
+    "machine",
+    "commit",
+    "created",
+    "command",
+    "cost",
+    "solve_s",
+    "cpu",
+    "on_front",
+    "summaries",
 ];
 
 /// Keys of a choice that depend on measured times: the cheapest candidate, and data of it alone.
