@@ -65,6 +65,20 @@ pub fn read_text(path: &Path, most: u64) -> io::Result<String> {
         .map_err(|e| io::Error::new(ErrorKind::InvalidData, format!("it is not UTF-8 ({e})")))
 }
 
+/// Takes the first line off the bytes of a text, without its end; `None` if nothing is left.
+pub(crate) fn take_line<'a>(rest: &mut &'a [u8]) -> Option<&'a [u8]> {
+    if rest.is_empty() {
+        return None;
+    }
+    let end = rest.iter().position(|b| *b == b'\n');
+    let (line, after) = match end {
+        Some(end) => (&rest[..end], &rest[end + 1..]),
+        None => (*rest, &rest[rest.len()..]),
+    };
+    *rest = after;
+    Some(line.strip_suffix(b"\r").unwrap_or(line))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

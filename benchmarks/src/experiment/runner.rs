@@ -217,16 +217,9 @@ impl<'a> Runner<'a> {
         E: From<JournalError> + ModelRefusal,
     {
         let not_made = |status, message: String| Run {
-            integrator: method.method.to_string(),
-            implicit: method.method.info().implicit,
-            step: method.resolution.step(),
-            rtol: method.resolution.tolerance(),
             status,
             message: Some(message),
-            wall_s: f64::NAN,
-            setup_s: f64::NAN,
-            simulated_s: f64::NAN,
-            ..Run::default()
+            ..unfinished(method)
         };
         self.guarded(key, make, |status, message| {
             (not_made(status, message), X::default())
@@ -304,6 +297,20 @@ impl<E: ModelRefusal> WorkError<E> {
             },
             WorkError::Panic(why) => Ok((Status::Aborted, why)),
         }
+    }
+}
+
+/// A run under a method without any results.
+pub fn unfinished(method: &Scheme) -> Run {
+    Run {
+        integrator: method.method.to_string(),
+        implicit: method.method.info().implicit,
+        step: method.resolution.step(),
+        rtol: method.resolution.tolerance(),
+        wall_s: f64::NAN,
+        setup_s: f64::NAN,
+        simulated_s: f64::NAN,
+        ..Run::default()
     }
 }
 

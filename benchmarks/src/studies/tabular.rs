@@ -449,7 +449,7 @@ pub(crate) fn study<S: TabularStudy>(
     })
 }
 
-/// What the cells of a study share while they run.
+/// The state that the cells of a study share while they run.
 struct Driver<'a, S> {
     args: &'a S,
     shared: &'a SharedWork<'a>,

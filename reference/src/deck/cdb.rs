@@ -16,6 +16,7 @@ use super::data::{Deck, DeckMaterial, ElementBlock, Label, Section};
 use super::error::{DeckError, DeckErrorKind, Place, quote};
 use super::units::{Units, in_si};
 use super::writer::ansys_kind;
+use crate::files::take_line;
 use crate::mesh::ElementKind;
 use gearbench_models::Vec3;
 use std::collections::{BTreeMap, HashMap};
@@ -84,18 +85,9 @@ struct Columns {
 
 impl Reader<'_> {
     fn next(&mut self) -> Option<String> {
-        if self.rest.is_empty() {
-            return None;
-        }
-        let end = self.rest.iter().position(|b| *b == b'\n');
-        let (line, rest) = match end {
-            Some(end) => (&self.rest[..end], &self.rest[end + 1..]),
-            None => (self.rest, &self.rest[self.rest.len()..]),
-        };
-        self.rest = rest;
+        let line = take_line(&mut self.rest)?;
         self.line += 1;
         // Characters beyond ASCII would spoil columns of fixed width.
-        let line = line.strip_suffix(b"\r").unwrap_or(line);
         Some(
             line.iter()
                 .map(|b| if b.is_ascii() { char::from(*b) } else { '?' })

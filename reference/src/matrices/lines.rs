@@ -2,6 +2,7 @@
 
 use super::error::{MatrixError, MatrixErrorKind};
 use crate::deck::quote;
+use crate::files::take_line;
 use crate::refusal::Refusal;
 use std::borrow::Cow;
 use std::str::FromStr;
@@ -31,20 +32,12 @@ impl<'a> Lines<'a> {
 
     /// The next line, blank ones included; `None` at the end of the file.
     pub(super) fn next(&mut self) -> Option<Line<'a>> {
-        if self.rest.is_empty() {
-            return None;
-        }
-        let end = self.rest.iter().position(|b| *b == b'\n');
-        let (line, rest) = match end {
-            Some(end) => (&self.rest[..end], &self.rest[end + 1..]),
-            None => (self.rest, &self.rest[self.rest.len()..]),
-        };
-        self.rest = rest;
+        let line = take_line(&mut self.rest)?;
         self.number += 1;
         Some(Line {
             name: self.name,
             number: self.number,
-            text: String::from_utf8_lossy(line.strip_suffix(b"\r").unwrap_or(line)),
+            text: String::from_utf8_lossy(line),
         })
     }
 

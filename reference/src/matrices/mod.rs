@@ -79,7 +79,7 @@ pub type FileReader<'a> = dyn FnMut(&str) -> io::Result<Vec<u8>> + 'a;
 /// Bytes of a file on disk.
 ///
 /// # Errors
-/// What the system says, and files that are no regular ones or too large.
+/// Errors of the system; files that are no regular ones or too large are refused.
 pub fn from_disk(name: &str) -> io::Result<Vec<u8>> {
     files::read(Path::new(name), MAX_DECK_BYTES as u64)
 }

@@ -231,15 +231,16 @@ impl TabularRecord {
                 ));
             }
         }
-        each("rows", &self.rows, |row| {
-            let unknown = row.0.keys().find(|key| self.column(key).is_none());
-            unknown.map_or(Ok(()), |key| Err(format!("there is no column `{key}`")))
-        })?;
-        each("summaries", &self.summaries, |table| {
-            let known = |key: &String| table.columns.iter().any(|c| c.key == *key);
-            let unknown = table.rows.iter().flat_map(|row| row.0.keys());
-            let unknown = unknown.into_iter().find(|key| !known(key));
-            unknown.map_or(Ok(()), |key| Err(format!("there is no column `{key}`")))
+        let rows_fit = |rows: &[TableRow], columns: &[TableColumn]| {
+            each("rows", rows, |row| {
+                let known = |key: &&String| columns.iter().any(|c| c.key == **key);
+                let unknown = row.0.keys().find(|key| !known(key));
+                unknown.map_or(Ok(()), |key| Err(format!("there is no column `{key}`")))
+            })
+        };
+        rows_fit(&self.rows, &self.columns)?;
+        each("summaries", &self.summaries, |t| {
+            rows_fit(&t.rows, &t.columns)
         })?;
         each("charts", &self.charts, |c| {
             let marks = Some(&c.marks).filter(|key| !key.is_empty());

@@ -19,6 +19,7 @@ use crate::experiment::history::History;
 use crate::experiment::parallel::thread_count;
 use crate::experiment::record::time_series;
 use crate::experiment::run::{Job, NO_BOUND, RunError, run};
+use crate::experiment::runner::unfinished;
 use crate::experiment::status::{message_of, status_of};
 use crate::scene_file::{ModelChoice, SceneError, SceneFile, Selection};
 use crate::studies::tabular::{Cell, Measured, Others, TableLine, TabularStudy};
@@ -180,7 +181,7 @@ pub struct Coupled {
 pub struct CouplingRow {
     /// Work of the extrapolated forces on the host, less that of the gears along their motion [J].
     energy_error_j: Option<f64>,
-    /// The same over the energy that vibrates.
+    /// Energy error of the coupling over the energy that vibrates [-].
     energy_error_rel: Option<f64>,
     /// Its largest magnitude in one communication step.
     energy_error_step_rel: Option<f64>,
@@ -328,7 +329,8 @@ impl TabularStudy for Coupling {
                 let refused = Run {
                     status: Status::Refused,
                     message: Some(why.to_string()),
-                    ..unfinished(&cell.method)
+                    simulated_s: 0.0,
+                    ..untimed(&cell.method)
                 };
                 return Ok((refused, CouplingRow::default()));
             }
@@ -344,7 +346,9 @@ impl TabularStudy for Coupling {
         let label = &cell.configuration.label;
         let same_model = |r: &&Measured<Self>| r.cell.configuration.label == *label;
         let whole = others.common.iter().find(same_model).map(|r| &r.run);
-        in_two_parts(cell, frames, scheme, job, whole)
+        // The limit of theory is that of the line.
+        let theory = others.rows.first().map(|r| r.row.theory_step_s);
+        in_two_parts(cell, frames, (scheme, theory), job, whole)
     }
 
     fn next(&self, rows: &[Measured<Self>]) -> Option<Cell<Coupled>> {
@@ -626,17 +630,11 @@ pub(super) fn default_steps(
         .collect()
 }
 
-/// A run under a method without any results.
-fn unfinished(method: &Scheme) -> Run {
+/// A run under a method whose time is not measured.
+fn untimed(method: &Scheme) -> Run {
     Run {
-        integrator: method.method.to_string(),
-        implicit: method.method.info().implicit,
-        step: method.resolution.step(),
-        rtol: method.resolution.tolerance(),
-        wall_s: f64::NAN,
         cpu_s: f64::NAN,
-        setup_s: f64::NAN,
-        ..Run::default()
+        ..unfinished(method)
     }
 }
 
@@ -650,7 +648,7 @@ fn vibrating(whole: Option<&Run>) -> Option<f64> {
 fn in_two_parts(
     cell: &Cell<Coupled>,
     frames: &[Frame],
-    scheme: CouplingScheme,
+    (scheme, theory): (CouplingScheme, Option<Option<f64>>),
     job: &Job<'_>,
     whole: Option<&Run>,
 ) -> Result<(Run, CouplingRow), StudyError> {
@@ -676,15 +674,17 @@ fn in_two_parts(
     if job.context.interruption.is_requested() {
         return Err(RunError::Interrupted.into());
     }
-    let contact = whole.and_then(|w| w.against(WHOLE)?.duration_s);
-    let theory = cell.at.model.oscillator.zip(contact.filter(|t| *t > 0.0));
+    let theory = theory.unwrap_or_else(|| {
+        let contact = whole.and_then(|w| w.against(WHOLE)?.duration_s);
+        let theory = cell.at.model.oscillator.zip(contact.filter(|t| *t > 0.0));
+        theory.and_then(|(o, time)| theory::limit(scheme.extrapolation, o, time, ALLOWED))
+    });
     let row = CouplingRow {
         energy_error_j: finite(found.energy),
         energy_error_rel: scale.and_then(|e| finite(found.energy / e)),
         energy_error_step_rel: scale.and_then(|e| finite(found.largest / e)),
         exchanges: Some(found.exchanges),
-        theory_step_s: theory
-            .and_then(|(o, time)| theory::limit(scheme.extrapolation, o, time, ALLOWED)),
+        theory_step_s: theory,
     };
     let series = time_series(job, &scene, &history);
     let ledger = Ledger::default();
@@ -703,7 +703,7 @@ fn in_two_parts(
         message,
         simulated_s: found.reached,
         metrics: metrics.into_iter().collect(),
-        ..unfinished(&cell.method)
+        ..untimed(&cell.method)
     };
     Ok((made, row))
 }

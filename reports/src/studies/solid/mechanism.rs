@@ -63,11 +63,11 @@ pub struct Ring {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 enum Frame {
-    /// That of a member.
+    /// The frame of a member.
     Member(usize),
-    /// That of a member at the first instant.
+    /// The frame of a member at the first instant.
     Rest(usize),
-    /// That of a place on a shaft \[m\].
+    /// The frame of a place on a shaft \[m\].
     Shaft(usize, f64),
 }
 
