@@ -233,6 +233,17 @@ impl Panel {
         self
     }
 
+    /// Sets the ordinate to the range of all points where these are alike within a factor of two, so that their
+    /// differences are seen. The range is at least 2 % of the values, so that rounding is not.
+    pub fn near(mut self) -> Self {
+        let (low, high) = self.ordinates();
+        if low > 0.5 * high && high.is_finite() {
+            let missing = 0.5 * (0.02 * high - (high - low)).max(0.0);
+            self.y = Some(Axis::padded(low - missing, high + missing, 0.08));
+        }
+        self
+    }
+
     /// Returns an axis over all points and limits, logarithmic when they span more than a decade.
     fn range(&self) -> Axis {
         let (a, b) = self.ordinates();

@@ -144,9 +144,9 @@ fn work(view: &View<'_>) -> Markup {
     repeats.dedup();
     let repeats = match repeats.as_slice() {
         [] => String::new(),
-        [1] => "one timing".into(),
-        [n] => format!("median of {n} repeats"),
-        [least, .., most] => format!("median of {least} to {most} repeats"),
+        [1] => "one timing, ".into(),
+        [n] => format!("median of {n} repeats, "),
+        [least, .., most] => format!("median of {least} to {most} repeats, "),
     };
     let work = runs::work();
     let events = rows.iter().any(|(r, ..)| r.events > 0);
@@ -168,7 +168,7 @@ fn work(view: &View<'_>) -> Markup {
         .written("Events", "", |(r, ..)| events.then(|| count(r.events)))
         .columns_by_key(&work, &["dofs"], run);
     let remark = format!(
-        "Wall time: {repeats}, without the fixed costs under Setup. The time of a failed run ends where it failed."
+        "Wall time: {repeats}without the fixed costs under Setup. The time of a failed run ends where it failed."
     );
     section("Work", html! { (table) (note(remark)) })
 }

@@ -44,6 +44,15 @@ pub struct Full {
     pub title: String,
 }
 
+/// Reference from a measurement or another program.
+#[derive(Clone, Debug)]
+pub struct External {
+    /// Id of the reference in metrics.
+    pub id: String,
+    /// Own error of the reference, where it states one [-].
+    pub own_error: Option<f64>,
+}
+
 /// Plan of a study of accuracy against cost.
 #[derive(Clone, Debug, Default)]
 pub struct Plan {
@@ -51,8 +60,8 @@ pub struct Plan {
     pub variants: Vec<Variant>,
     /// References that the study computes.
     pub fulls: Vec<Full>,
-    /// Ids of the references from measurements or other programs that a variant is compared with.
-    pub external: Vec<String>,
+    /// References from measurements or other programs that a variant is compared with.
+    pub external: Vec<External>,
     /// Metrics of the errors, the most important first.
     pub metrics: Vec<Metric>,
     /// Settings that name the references of each model.
@@ -119,8 +128,11 @@ impl Plan {
         }
         let is_used = |id: &String| variants.iter().any(|v| v.against.contains(id));
         Ok(Plan {
-            external: (external.iter().map(|e| e.id.clone()))
-                .filter(is_used)
+            external: (external.iter().filter(|e| is_used(&e.id)))
+                .map(|e| External {
+                    id: e.id.clone(),
+                    own_error: e.own_error,
+                })
                 .collect(),
             variants,
             fulls,

@@ -3,6 +3,7 @@
 use super::arguments::Precision;
 use super::converged::short_of;
 use crate::studies::tabular::Measured;
+
 use gearbench_reports::columns::Columns;
 use gearbench_reports::numbers::{counted, limit, per_cent, quantity, round_quantity, short};
 use gearbench_reports::pareto::{Point, cheapest, front};
@@ -10,7 +11,7 @@ use gearbench_reports::record::{Run, SELF};
 use gearbench_reports::tabular::{
     AGAINST, FrontPanel, MODEL, SummaryTable, TableChart, TableFront, TableRow,
 };
-use gearbench_reports::{Format, Metric, NOTHING, capital};
+use gearbench_reports::{Adequacy, Format, Metric, NOTHING, capital};
 
 /// Limits of the error at which models are compared.
 const LEVELS: [f64; 4] = [0.05, 0.02, 0.01, 0.005];
@@ -96,23 +97,85 @@ fn modes_and_step(run: &Run) -> String {
     }
 }
 
-/// Returns the cheapest of selected rows within a limit of the error.
-fn cheapest_of<'r>(
-    rows: &[Row<'r>],
-    (id, metric): (&str, Metric),
-    limit: f64,
-    has: impl Fn(Row<'_>) -> bool,
-) -> Option<Row<'r>> {
-    let all = rows.iter().filter(|row| has(row));
-    let (kept, points): (Vec<Row<'r>>, Vec<Point>) =
-        (all.filter_map(|row| Some((*row, point(row, id, metric)?)))).unzip();
-    cheapest(&points, limit).map(|i| kept[i])
+/// Returns the error of integration of a run, in a metric or in that which stands for it; `None` where it is not known.
+fn integration_error(row: Row<'_>, metric: Metric) -> Option<f64> {
+    let own = row.run.against(SELF)?;
+    let error = own.get(metric).or_else(|| own.get(metric.of_integration()));
+    error.map(f64::abs)
+}
+
+/// Reference with the metric of the errors against it and its own error.
+#[derive(Clone, Copy)]
+struct Yardstick<'a> {
+    id: &'a str,
+    metric: Metric,
+    /// Own error, where the reference states one [-].
+    own: Option<f64>,
+}
+
+impl Yardstick<'_> {
+    /// True if the error of a run, with the own error of the reference, is within a limit.
+    fn agrees(&self, point: &Point, limit: f64) -> bool {
+        Adequacy::of(point.error, self.own.unwrap_or(0.0), limit) == Adequacy::Adequate
+    }
+
+    /// Returns the cheapest of selected rows within a limit.
+    ///
+    /// Both errors are within it, that against the reference and that of integration: a run may be close to the reference
+    /// because its step has the error of the step of the reference, or because errors cancel, while its model is not.
+    fn cheapest<'r>(
+        &self,
+        rows: &[Row<'r>],
+        limit: f64,
+        has: impl Fn(Row<'_>) -> bool,
+    ) -> Option<Row<'r>> {
+        let is_integrated =
+            |row: Row<'_>| integration_error(row, self.metric).is_none_or(|e| e <= limit);
+        let all = rows
+            .iter()
+            .filter(|row| has(row) && is_integrated(row))
+            .filter_map(|row| Some((*row, point(row, self.id, self.metric)?)));
+        let (kept, points): (Vec<Row<'r>>, Vec<Point>) =
+            all.filter(|(_, point)| self.agrees(point, limit)).unzip();
+        cheapest(&points, limit).map(|i| kept[i])
+    }
+
+    /// Returns the number of runs that agree within a limit, but not by their integration.
+    fn by_chance(&self, rows: &[Row<'_>], limit: f64) -> usize {
+        let agrees = |row: &Row<'_>| {
+            point(row, self.id, self.metric).is_some_and(|p| self.agrees(&p, limit))
+        };
+        let all = rows.iter().filter(|row| !is_fitted(row) && agrees(row));
+        all.filter(|row| integration_error(row, self.metric).is_some_and(|e| e > limit))
+            .count()
+    }
+
+    /// Returns the clause on the own error, for the end of a sentence.
+    fn own_error(&self) -> String {
+        match self.own {
+            Some(e) => format!("its own error is stated as {}", per_cent(e, 2)),
+            None => "its own error is not stated".into(),
+        }
+    }
 }
 
 impl Precision {
     /// The metric that the study is about.
     pub(super) fn headline(&self) -> Metric {
         self.plan.metrics.first().copied().unwrap_or_default()
+    }
+
+    /// The reference with an id: one that the study computes is taken as exact.
+    fn yardstick<'a>(&self, id: &'a str, metric: Metric) -> Yardstick<'a> {
+        let external = self.plan.external.iter().find(|e| e.id == id);
+        Yardstick {
+            id,
+            metric,
+            own: match external {
+                Some(external) => external.own_error,
+                None => Some(0.0),
+            },
+        }
     }
 
     /// Ids of the references with errors and the metric of each; the own converged solutions alone if there is no other.
@@ -152,6 +215,7 @@ impl Precision {
                 .integrator(|i| rows[*i].run.integrator.clone()).shown("Integrator", Format::Text).result()
                 .add("resolution", "modes, and step or tolerance", |i| modes_and_step(&rows[*i].run)).shown("Resolution", Format::Text).result()
                 .add("error", metric.meaning(), |i| point(rows[*i], id, metric).map(|p| p.error)).shown("Error", Format::Percents(3)).result()
+                .add("integration_error", "error of integration", |i| if id == SELF { None } else { integration_error(rows[*i], metric) }).shown("Error of integration", Format::Percents(2)).result()
                 .add("cpu_s", "processor time", |i| rows[*i].run.cost_s()).shown("Processor time", Format::Quantities(3)).result()
                 .add("fitted_to", "reference of the fit", |i| rows[*i].run.fitted_to.clone()).shown("Fitted to", Format::Text).result()
                 .add("fair", "on the front without fitted models", |i| (any_fitted && is_fair(i)).then_some("\u{2713}")).shown("Front, nothing fitted", Format::Text).result()
@@ -163,12 +227,13 @@ impl Precision {
             if id == SELF {
                 continue;
             }
+            let yardstick = self.yardstick(id, metric);
             let labels: Vec<String> = models_of(rows).into_iter().filter(|label| rows.iter().any(|r| r.run.model_label() == *label && point(r, id, metric).is_some())).collect();
             let mut columns = Columns::<String>::of("", "")
                 .model(|label| label.clone());
             for level in LEVELS {
                 let cell = move |label: &String| {
-                    let row = cheapest_of(rows, (id, metric), level, |r| r.run.model_label() == *label)?;
+                    let row = yardstick.cheapest(rows, level, |r| r.run.model_label() == *label)?;
                     Some(format!("{} ({}, {})", quantity(row.run.cost_s(), "s", 2), row.run.integrator, modes_and_step(&row.run)))
                 };
                 columns = columns.add(format!("within_{level}"), "cheapest run within a limit", cell).shown(&format!("Within {}", limit(level)), Format::Text).result();
@@ -178,9 +243,12 @@ impl Precision {
                 own.filter_map(|r| Some(point(r, id, metric)?.error)).min_by(f64::total_cmp)
             };
             let columns = columns.add("least", "least error", least).shown("Least error", Format::Percents(3)).result();
-            let remark = "Least processor time among the runs within the limit; a dash: no run is within it. A model that was fitted to this history is not \
-                          predicted by it: its error is the rest of the fit.";
-            all.push(SummaryTable::of(&format!("Cheapest run of each model against {id}"), &columns, &labels, remark));
+            let remark = format!(
+                "Least processor time among the runs within the limit; a dash: none is. A run is within it if its error{} and its error of \
+                 integration are. A model that was fitted to this history is not predicted by it: its error is the rest of the fit.",
+                yardstick.own.map_or_else(String::new, |e| format!(", with the own error of the reference of {},", per_cent(e, 2)))
+            );
+            all.push(SummaryTable::of(&format!("Cheapest run of each model against {id}"), &columns, &labels, &remark));
         }
         all
     }
@@ -283,8 +351,12 @@ impl Precision {
             let any_fitted = rows
                 .iter()
                 .any(|r| is_fitted(r) && point(r, id, metric).is_some());
-            let cheapest =
-                |level: f64| match cheapest_of(rows, (id, metric), level, |r| !is_fitted(r)) {
+            let yardstick = self.yardstick(id, metric);
+            let cheapest = |level: f64| {
+                if yardstick.own.is_some_and(|own| own >= level) {
+                    return format!("within {} nothing is decided", limit(level));
+                }
+                match yardstick.cheapest(rows, level, |r| !is_fitted(r)) {
                     Some(r) => format!(
                         "within {} {} under {} ({}, {})",
                         limit(level),
@@ -294,7 +366,8 @@ impl Precision {
                         quantity(r.run.cost_s(), "s", 2)
                     ),
                     None => format!("within {} nothing", limit(level)),
-                };
+                }
+            };
             sentences.push(format!(
                 "Cheapest against {id} by {}{}: {}.",
                 metric.words(),
@@ -305,6 +378,21 @@ impl Precision {
                 },
                 NAMED.map(cheapest).join("; ")
             ));
+            if self.plan.external.iter().any(|e| e.id == id) {
+                sentences.push(format!("Of {id}: {}.", yardstick.own_error()));
+            }
+            let by_chance = NAMED.map(|level| (yardstick.by_chance(rows, level), level));
+            if let Some((n, level)) = by_chance.into_iter().rfind(|(n, _)| *n > 0) {
+                sentences.push(format!(
+                    "{} closer to {id} than {} although {} of integration {} larger: steps like those of the reference, or errors that \
+                     cancel. {} not counted.",
+                    if n == 1 { "One run is".to_owned() } else { format!("{n} runs are") },
+                    limit(level),
+                    if n == 1 { "its error" } else { "their errors" },
+                    if n == 1 { "is" } else { "are" },
+                    if n == 1 { "It is" } else { "They are" },
+                ));
+            }
             sentences.extend(fits(rows, (id, metric)));
         }
         let mut coarse: Vec<String> = Vec::new();

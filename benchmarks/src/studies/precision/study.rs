@@ -99,7 +99,7 @@ impl TabularStudy for Precision {
         shared: &SharedWork<'_>,
     ) -> Result<Vec<ReferenceSeries>, StudyError> {
         let mut all = of_scene;
-        all.retain(|r| self.plan.external.contains(&r.id));
+        all.retain(|r| self.plan.external.iter().any(|e| e.id == r.id));
         for full in &self.plan.fulls {
             shared.begin(&format!("reference {}", full.id))?;
             all.push(self.solution_of(full, shared)?.0.clone());

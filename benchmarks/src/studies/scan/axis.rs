@@ -199,12 +199,17 @@ fn range(text: &str) -> Result<Option<Vec<f64>>, String> {
         return Err(expected());
     }
     Ok(Some(match log {
-        true => logarithmic(from, to, n),
+        true => logarithmic(from, to, n).into_iter().map(rounded).collect(),
         false => (0..n - 1)
-            .map(|i| from + (to - from) * i as f64 / (n - 1) as f64)
+            .map(|i| rounded(from + (to - from) * i as f64 / (n - 1) as f64))
             .chain([to])
             .collect(),
     }))
+}
+
+/// A value to fifteen digits, as one would write it: 0.05 in place of 0.049999999999999996.
+fn rounded(x: f64) -> f64 {
+    format!("{x:.14e}").parse().unwrap_or(x)
 }
 
 /// Random values of `NAME(PARAMETERS)`; `None` for other texts.
@@ -331,6 +336,8 @@ mod tests {
 
     #[test]
     fn values_are_listed_ranged_or_joined() {
+        // The arithmetic gives 0.049999999999999996.
+        assert_eq!(range("0..0.06:7").unwrap().unwrap()[5], 0.05);
         assert_eq!(listed("a.b=1,2.5,1e-6"), ["1", "2.5", "1e-6"]);
         assert_eq!(
             listed("a=hertz,\"x,y\",true"),

@@ -149,7 +149,8 @@ fn response(record: &ScanRecord, axis: usize) -> Result<Option<Chart>, DrawError
         panels.push(
             Panel::new(150.0, &x, &in_brackets(unit))
                 .remark(name)
-                .curves(curves),
+                .curves(curves)
+                .near(),
         );
     }
     let Some(last) = panels.last_mut() else {

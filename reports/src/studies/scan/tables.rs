@@ -9,6 +9,8 @@ use maud::{Markup, html};
 
 /// Largest number of outputs that the finding describes.
 const MOST_DESCRIBED: usize = 2;
+/// Largest number of configurations whose ranges the finding names.
+const MOST_CONFIGURATIONS: usize = 4;
 /// Share of the variance that an axis must cause to be named in the finding.
 const NAMED_SHARE: f64 = 0.05;
 
@@ -41,6 +43,7 @@ pub fn finding(record: &ScanRecord) -> Vec<Markup> {
              since the mesh of a file or a calibration determines what the keys would change."
         });
     }
+    sentences.extend(responses(record));
     let single = record.axes.iter().all(|a| a.values.len() < 2);
     for s in record
         .statistics
@@ -70,6 +73,59 @@ pub fn finding(record: &ScanRecord) -> Vec<Markup> {
     }
     sentences
 }
+
+/// Returns a sentence for each of the first outputs of a scan of listed values: its range with each configuration, and the
+/// scenes where it is least and greatest. Scans with samples have quantiles, and scans of more cells than are shown none.
+fn responses(record: &ScanRecord) -> Vec<Markup> {
+    let all_shown = record.shown.len() as u64 == record.cells * record.configurations.len() as u64;
+    if record.samples.is_some() || record.shard.is_some() || !all_shown || record.cells < 2 {
+        return Vec::new();
+    }
+    let range = |configuration: usize, output: usize| {
+        let own = (record.shown.iter()).filter(|r| r.configuration == configuration);
+        let found: Vec<(f64, String)> = own
+            .filter_map(|r| Some((r.outputs[output]?, record.at_text(&r.at))))
+            .collect();
+        let least = found.iter().min_by(|a, b| a.0.total_cmp(&b.0))?.clone();
+        let greatest = found.iter().max_by(|a, b| a.0.total_cmp(&b.0))?.clone();
+        Some((configuration, least, greatest))
+    };
+    let described = (0..record.outputs.len()).filter_map(|output| {
+        let (name, unit) = output_text(&record.outputs[output]);
+        let ranges: Vec<_> = (0..record.configurations.len().min(MOST_CONFIGURATIONS))
+            .filter(|c| !record.unaffected.contains(c))
+            .filter_map(|c| range(c, output))
+            .collect();
+        let (_, least, greatest) = ranges.first()?;
+        let common = |place: fn(&Range) -> &str, of: &str| ranges.iter().all(|r| place(r) == of);
+        let at_least = common(|r| &r.1.1, &least.1).then(|| least.1.clone());
+        let at_greatest = common(|r| &r.2.1, &greatest.1).then(|| greatest.1.clone());
+        let texts: Vec<String> = (ranges.iter())
+            .map(|(c, least, greatest)| {
+                let (low, high) = (value_text(least.0, unit), value_text(greatest.0, unit));
+                let at = |known: &Option<String>, at: &str| match known {
+                    Some(_) => String::new(),
+                    None => format!(" ({at})"),
+                };
+                let label = &record.configurations[*c].label;
+                let (low_at, high_at) = (at(&at_least, &least.1), at(&at_greatest, &greatest.1));
+                format!("{low}{low_at} to {high}{high_at} with {label}")
+            })
+            .collect();
+        let places: Vec<String> = [("least", at_least), ("greatest", at_greatest)]
+            .into_iter()
+            .filter_map(|(which, at)| Some(format!("{which} at {}", at?)))
+            .collect();
+        Some(html! {
+            (crate::view::capital(&name)) ": " (texts.join(", "))
+            @if !places.is_empty() { "; " (places.join(", ")) } "."
+        })
+    });
+    described.take(MOST_DESCRIBED).collect()
+}
+
+/// The least and the greatest value of a configuration, each with the scene that has it.
+type Range = (usize, (f64, String), (f64, String));
 
 fn value_text(x: f64, unit: &str) -> String {
     match unit {
