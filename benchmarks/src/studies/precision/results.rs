@@ -150,11 +150,12 @@ impl Yardstick<'_> {
             .count()
     }
 
-    /// Returns the clause on the own error, for the end of a sentence.
+    /// Returns the clause on the own error, behind the name of the reference; a run of the study is taken as exact.
     fn own_error(&self) -> String {
         match self.own {
-            Some(e) => format!("its own error is stated as {}", per_cent(e, 2)),
-            None => "its own error is not stated".into(),
+            Some(0.0) => String::new(),
+            Some(e) => format!(", whose own error is stated as {},", per_cent(e, 2)),
+            None => ", whose own error is not stated,".into(),
         }
     }
 }
@@ -369,7 +370,8 @@ impl Precision {
                 }
             };
             sentences.push(format!(
-                "Cheapest against {id} by {}{}: {}.",
+                "Cheapest against {id}{} by {}{}: {}.",
+                yardstick.own_error(),
                 metric.words(),
                 if any_fitted {
                     ", among what was not fitted to it"
@@ -378,9 +380,6 @@ impl Precision {
                 },
                 NAMED.map(cheapest).join("; ")
             ));
-            if self.plan.external.iter().any(|e| e.id == id) {
-                sentences.push(format!("Of {id}: {}.", yardstick.own_error()));
-            }
             let by_chance = NAMED.map(|level| (yardstick.by_chance(rows, level), level));
             if let Some((n, level)) = by_chance.into_iter().rfind(|(n, _)| *n > 0) {
                 sentences.push(format!(

@@ -2,7 +2,7 @@
 
 use super::arguments::{Precision, PrecisionOptions};
 use super::converged::short_of;
-use super::plan::{COUNTS, Plan};
+use super::plan::{COUNTS, External, Plan};
 use super::study::{Resolution, TOO_FINE};
 use crate::cli::study_command::StudyCommand;
 use crate::cli::{Cli, Command};
@@ -13,7 +13,8 @@ use crate::scene_file::{SceneFile, Selection, load_for};
 use crate::studies::tabular::{Cell, Measured, TabularStudy};
 use clap::Parser;
 use gearbench_integrators::Scheme;
-use gearbench_reports::record::{ConvergedSettings, ReferenceSeries, Run, Status};
+use gearbench_reports::Metric;
+use gearbench_reports::record::{ConvergedSettings, Metrics, ReferenceSeries, Run, SELF, Status};
 
 fn scene(name: &str) -> SceneFile {
     load_for(&Context::default(), name, Selection::None).unwrap()
@@ -83,6 +84,67 @@ fn a_series_ends_where_a_run_takes_too_long() {
         (what, text.as_str()),
         (TOO_FINE, "rigid under rk4, finer steps")
     );
+}
+
+/// A run that is close to the reference, but not to its own converged solution, has not the accuracy of its model.
+#[test]
+fn errors_that_cancel_are_not_counted() {
+    let (mut study, cells) = rigid();
+    study.plan.metrics = vec![Metric::ForceL2];
+    // Errors against the reference and of integration, and the cost; the first two runs are close by chance.
+    let runs = [(0.004, 0.03, 1.0), (0.04, 0.06, 2.0), (0.03, 0.002, 3.0)];
+    let rows: Vec<Measured<Precision>> = (cells.iter().zip(runs))
+        .map(|(cell, (error, integration, cost))| {
+            let metrics = |against: &str, error: f64| Metrics {
+                against: against.into(),
+                force_l2: Some(error),
+                ..Metrics::default()
+            };
+            Measured {
+                cell: cell.clone(),
+                run: Run {
+                    status: Status::Converged,
+                    model: "rigid".into(),
+                    integrator: cell.name.clone(),
+                    wall_s: cost,
+                    cpu_s: cost,
+                    metrics: vec![metrics("calculix", error), metrics(SELF, integration)],
+                    ..Run::default()
+                },
+                row: Vec::new(),
+            }
+        })
+        .collect();
+    let rows: Vec<&Measured<Precision>> = rows.iter().collect();
+    let said = |study: &Precision| study.sentences(&rows).join(" ").replace('\u{a0}', " ");
+    let name = |i: usize| format!("rigid under {} (", cells[i].name);
+    study.plan.external = vec![External {
+        id: "calculix".into(),
+        own_error: None,
+    }];
+    let text = said(&study);
+    assert!(
+        text.contains("calculix, whose own error is not stated,"),
+        "{text}"
+    );
+    assert!(text.contains(&format!("within 5 % {}", name(0))), "{text}");
+    assert!(text.contains("within 1 % nothing"), "{text}");
+    assert!(
+        text.contains("One run is closer to calculix than 1 %"),
+        "{text}"
+    );
+    // With an own error of 2.5 % the third run may be 5.5 % off, the first 2.9 %; of 1 % nothing is decided.
+    study.plan.external[0].own_error = Some(0.025);
+    let text = said(&study);
+    assert!(text.contains("own error is stated as 2.5 %"), "{text}");
+    assert!(text.contains("within 1 % nothing is decided"), "{text}");
+    let tables = study.tables(&rows);
+    let cheapest = (tables.iter()).find(|t| t.title.starts_with("Cheapest run of each"));
+    assert!(cheapest.is_some_and(|t| {
+        t.remark
+            .replace('\u{a0}', " ")
+            .contains("own error of the reference of 2.5 %")
+    }));
 }
 
 #[test]

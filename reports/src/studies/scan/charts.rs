@@ -165,7 +165,9 @@ fn response(record: &ScanRecord, axis: usize) -> Result<Option<Chart>, DrawError
         (true, true) => {
             "Median of the samples, and between the thin lines the middle 90 % of them."
         }
-        (true, false) => "One point for each scene.",
+        (true, false) => {
+            "One point for each scene. An ordinate of values that are alike does not begin at zero."
+        }
         (false, _) => "One point for each sample; the other random axes vary as well.",
     };
     Ok(Some(chart(

@@ -81,10 +81,15 @@ fn responses(record: &ScanRecord) -> Vec<Markup> {
     if record.samples.is_some() || record.shard.is_some() || !all_shown || record.cells < 2 {
         return Vec::new();
     }
+    // A chart of one axis names it.
+    let place = |at: &[usize]| match record.axes.as_slice() {
+        [axis] => axis.values.get(at[0]).cloned().unwrap_or_default(),
+        _ => record.at_text(at),
+    };
     let range = |configuration: usize, output: usize| {
         let own = (record.shown.iter()).filter(|r| r.configuration == configuration);
         let found: Vec<(f64, String)> = own
-            .filter_map(|r| Some((r.outputs[output]?, record.at_text(&r.at))))
+            .filter_map(|r| Some((r.outputs[output]?, place(&r.at))))
             .collect();
         let least = found.iter().min_by(|a, b| a.0.total_cmp(&b.0))?.clone();
         let greatest = found.iter().max_by(|a, b| a.0.total_cmp(&b.0))?.clone();
