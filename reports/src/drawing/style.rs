@@ -172,7 +172,9 @@ fn outline(marker: Marker, (x, y): (f64, f64), r: f64) -> Vec<(f64, f64)> {
 
 /// Draws a marker, filled or open.
 pub fn marker(c: &mut Canvas, at: (f64, f64), r: f64, look: CurveStyle, filled: bool) {
-    let mut edge = outline(look.marker, at, r);
+    // Half the width of an edge line, which a filled marker does not have.
+    let within = if filled && r > 3.0 { 0.5 } else { 0.0 };
+    let mut edge = outline(look.marker, at, r + within);
     let ground = if filled { look.ink } else { Ink::WHITE };
     if edge.is_empty() {
         c.circle(at, r, ground, None);
@@ -182,9 +184,9 @@ pub fn marker(c: &mut Canvas, at: (f64, f64), r: f64, look: CurveStyle, filled: 
         return;
     }
     c.polygon(&edge, ground);
-    if !filled || r > 3.0 {
+    if !filled {
         edge.push(edge[0]);
-        c.line(&edge, Stroke::new(look.ink, if filled { 1.0 } else { 1.8 }));
+        c.line(&edge, Stroke::new(look.ink, 1.8));
     }
 }
 

@@ -390,7 +390,7 @@ impl<R> Table<'_, R> {
                             tr.group { th colspan=(columns.len()) { (mark(*style)) (heading) } }
                         }
                         @for &i in block {
-                            tr class=(self.classes[i]) data-run=[self.runs[i]] {
+                            tr class=[Some(self.classes[i]).filter(|c| !c.is_empty())] data-run=[self.runs[i]] {
                                 @for c in columns { (cell(c, i)) }
                             }
                         }
@@ -405,7 +405,11 @@ impl<R> Table<'_, R> {
 /// Renders a cell.
 fn cell(c: &Column, row: usize) -> Markup {
     let text = c.cells[row].as_deref();
-    html! { td.t[c.text].w[c.wraps()].k[c.rank == Rank::Key] { (prose(text.unwrap_or(ABSENT))) } }
+    let classes = [(c.text, "t"), (c.wraps(), "w"), (c.rank == Rank::Key, "k")];
+    let classes: Vec<&str> = (classes.iter().filter(|c| c.0)).map(|c| c.1).collect();
+    // Long tables are the weight of a page: most cells have no class.
+    let classes = (!classes.is_empty()).then(|| classes.join(" "));
+    html! { td class=[classes] { (prose(text.unwrap_or(ABSENT))) } }
 }
 
 impl<R> Render for Table<'_, R> {

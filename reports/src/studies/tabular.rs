@@ -18,7 +18,7 @@ use crate::drawing::style::curve_style;
 use crate::markup::column::{Format, Rank};
 use crate::markup::table::{Table, common_prefix};
 use crate::markup::{glance, note, prose, runs, section};
-use crate::numbers::short;
+use crate::numbers::{count, short};
 use crate::record::Status;
 use crate::record::checks::each;
 use crate::studies::compare::histories;
@@ -39,6 +39,10 @@ pub const STATUS: &str = "status";
 pub const MESSAGE: &str = "message";
 /// Key of the column with the reference of the errors of a row, in tables with a row for each of them.
 pub const AGAINST: &str = "against";
+/// Key of the column that says which rows are on a front.
+pub const ON_FRONT: &str = "on_front";
+/// Largest number of rows that a page has.
+const MOST_ON_PAGE: usize = 1000;
 
 /// The part of a record of a study whose results are one table.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -143,6 +147,11 @@ impl TableRow {
 
     fn text(&self, key: &str) -> &str {
         self.0.get(key).and_then(Value::as_text).unwrap_or("")
+    }
+
+    /// True if a column of yes and no says yes.
+    fn is(&self, key: &str) -> bool {
+        self.0.get(key) == Some(&Value::from(true))
     }
 
     /// True if the row is of a failed run.
@@ -321,6 +330,17 @@ impl TabularRecord {
             .grouped(style)
             .classed(|row| if row.failed() { "failed" } else { "" })
             .columns(declared, Some)
+    }
+
+    /// The rows that a page has: all, or of very many those on a front, else the first.
+    fn on_page(&self) -> Vec<TableRow> {
+        if self.rows.len() <= MOST_ON_PAGE {
+            return self.rows.clone();
+        }
+        let has_fronts = self.column(ON_FRONT).is_some();
+        let is_chosen = |row: &&TableRow| !has_fronts || row.is(ON_FRONT);
+        let chosen = self.rows.iter().filter(is_chosen);
+        chosen.take(MOST_ON_PAGE).cloned().collect()
     }
 
     fn table(&self) -> Table<'_, TableRow> {
@@ -574,7 +594,22 @@ pub(super) fn report(view: &View<'_>, record: &TabularRecord) -> Result<StudyRep
             @if !remark.is_empty() { (note(prose(remark))) }
         }
     };
-    let rows = with_remark(record.table(), &record.remark);
+    let on_page = record.on_page();
+    let remark = match on_page.len() < record.rows.len() {
+        true => format!(
+            "{} The page has {} of {} rows, {}; {} has all.",
+            record.remark,
+            count(on_page.len() as u64),
+            count(record.rows.len() as u64),
+            match record.column(ON_FRONT) {
+                Some(_) => "those on a front",
+                None => "the first",
+            },
+            record.declared().described().file,
+        ),
+        false => record.remark.clone(),
+    };
+    let rows = with_remark(record.table_of(&on_page, &record.declared()), &remark);
     let heading = capital(&record.rows_are);
     let summaries = record.summaries.iter();
     let summaries =

@@ -241,12 +241,13 @@ impl Precision {
             }
             let least = |label: &String| {
                 let own = rows.iter().filter(|r| r.run.model_label() == *label);
-                own.filter_map(|r| Some(point(r, id, metric)?.error)).min_by(f64::total_cmp)
+                let errors = own.filter_map(|r| Some((point(r, id, metric)?.error, integration_error(r, metric))));
+                errors.filter(|(error, own)| own.is_none_or(|own| own <= *error)).map(|(error, _)| error).min_by(f64::total_cmp)
             };
-            let columns = columns.add("least", "least error", least).shown("Least error", Format::Percents(3)).result();
+            let columns = columns.add("least", "least error of the runs whose error of integration is no larger", least).shown("Least error", Format::Percents(3)).result();
             let remark = format!(
                 "Least processor time among the runs within the limit; a dash: none is. A run is within it if its error{} and its error of \
-                 integration are. A model that was fitted to this history is not predicted by it: its error is the rest of the fit.",
+                 integration are; the least error is that of the runs whose error of integration is no larger. A model that was fitted to this history is not predicted by it: its error is the rest of the fit.",
                 yardstick.own.map_or_else(String::new, |e| format!(", with the own error of the reference of {},", per_cent(e, 2)))
             );
             all.push(SummaryTable::of(&format!("Cheapest run of each model against {id}"), &columns, &labels, &remark));

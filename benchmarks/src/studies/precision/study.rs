@@ -18,7 +18,7 @@ use gearbench_reports::columns::Columns;
 use gearbench_reports::metrics::{compare as measure, compare_all};
 use gearbench_reports::record::{ReferenceSeries, Results, Run, SELF, Status};
 use gearbench_reports::runs::work;
-use gearbench_reports::tabular::{SummaryTable, TableChart};
+use gearbench_reports::tabular::{ON_FRONT, SummaryTable, TableChart};
 use gearbench_reports::{Format, Metric, capital};
 use std::sync::Arc;
 use std::time::Duration;
@@ -234,7 +234,7 @@ impl TabularStudy for Precision {
             .modes(|f| f.run.modes).shown("Modes", Format::Plain).result()
             .add("fitted_to", "reference to which the model's constants were fitted", |f| f.run.fitted_to.clone()).shown("Fitted to", Format::Text)
             .against(|f| f.metrics.map(|m| m.against.clone())).shown("Against", Format::Text).result()
-            .add("on_front", "no run of the record is both cheaper and more accurate", is_on_front);
+            .add(ON_FRONT, "no run of the record is both cheaper and more accurate", is_on_front);
         let errors = Metric::ALL.into_iter().filter(|m| m.is_error());
         errors
             .fold(columns, |all, e| all.add(e.key(), e.meaning(), move |f| f.metrics?.get(e)))
