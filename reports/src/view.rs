@@ -239,11 +239,12 @@ impl<'a> View<'a> {
             return None;
         }
         let (limit, error) = (self.limit?, self.error(run)?);
-        Some(match &self.yardstick {
+        let verdict = match &self.yardstick {
             Some(yardstick) => yardstick.verdict(error, limit),
             None if error <= limit => Adequacy::Adequate,
             None => Adequacy::NotAdequate,
-        })
+        };
+        Some(verdict.unless(run.agrees_by_chance(self.metric, limit)))
     }
 
     /// True if the run is the yardstick of the comparison, or a run of the model that the yardstick comes from.

@@ -250,12 +250,17 @@ pub struct Tolerance {
 
 impl Tolerance {
     /// Compares a run with the tolerance: its value of the metric, and the verdict under the error of the yardstick, if
-    /// that is what the tolerance refers to. `None` if the run has no such value.
+    /// that is what the tolerance refers to. A run that keeps it by chance ([`Run::agrees_by_chance`]) is not decided.
+    /// `None` if the run has no such value.
     pub fn verdict(&self, run: &Run, yardstick: Option<&Yardstick>) -> Option<(f64, Adequacy)> {
         let x = run.against(&self.against)?.get(self.metric)?;
         let exact = Yardstick::default();
         let yardstick = yardstick.filter(|y| y.id == self.against).unwrap_or(&exact);
-        Some((x, yardstick.verdict(x.abs(), self.limit)))
+        let verdict = yardstick.verdict(x.abs(), self.limit);
+        Some((
+            x,
+            verdict.unless(run.agrees_by_chance(self.metric, self.limit)),
+        ))
     }
 }
 

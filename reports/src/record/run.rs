@@ -1,11 +1,11 @@
 //! The record of a run: one model under one integrator, with cost, status and results.
 
 use super::{
-    ContactSnapshot, GearMotion, Ledger, MeshForce, Metrics, Steady, TorquePaths, is_not_finite,
-    nan, not_a_number, slug,
+    ContactSnapshot, GearMotion, Ledger, MeshForce, Metrics, SELF, Steady, TorquePaths,
+    is_not_finite, nan, not_a_number, slug,
 };
 use crate::histories::Histories;
-use crate::metrics::{FinishedRun, UnfinishedRun};
+use crate::metrics::{FinishedRun, Metric, UnfinishedRun};
 use crate::series::TimeSeries;
 use crate::words::words;
 use serde::{Deserialize, Serialize};
@@ -256,6 +256,23 @@ impl Run {
             x if x.is_finite() && x > 0.0 => x,
             _ => self.wall_s,
         }
+    }
+
+    /// Returns the error of integration in a metric: that against the model's own converged solution. For errors of a
+    /// force history the L1 error stands where there is no other. `None` where it is not known.
+    pub fn integration_error(&self, metric: Metric) -> Option<f64> {
+        let own = self.against(SELF)?;
+        let of_force = matches!(metric, Metric::ForceL2 | Metric::ForceL2Aligned);
+        let error = own
+            .get(metric)
+            .or_else(|| own.force_l1.filter(|_| of_force));
+        error.map(f64::abs)
+    }
+
+    /// True if the error of integration exceeds a limit, so that an error against a reference within it is chance: the
+    /// step has the error of the step of the reference, or errors cancel, while the model itself may be further away.
+    pub fn agrees_by_chance(&self, metric: Metric, limit: f64) -> bool {
+        self.integration_error(metric).is_some_and(|e| e > limit)
     }
 
     /// Returns the history of the run if it reached its end, so that metrics can be computed from it.

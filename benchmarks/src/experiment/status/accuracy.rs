@@ -88,6 +88,16 @@ fn by_tolerance(
     let digits = |x: f64| digits_apart(&[x, *limit], 3);
     match tolerance.verdict(run, yardstick) {
         Some((_, Adequacy::Adequate)) => Verdict::Within,
+        Some((x, Adequacy::NotDecided)) if run.agrees_by_chance(*metric, *limit) => {
+            let own = run.integration_error(*metric).unwrap_or(f64::NAN);
+            Verdict::NotDecided(format!(
+                "{metric} is {}, but its error of integration is {}, above the limit of {}: steps like those of {against}, or errors \
+                 that cancel; use a smaller step or tolerance",
+                short(x, digits(x.abs())),
+                short(own, 2),
+                short(*limit, digits(x.abs())),
+            ))
+        }
         Some((x, Adequacy::NotDecided)) => Verdict::NotDecided(format!(
             "{metric} is {} with a limit of {}, and {against} itself {}",
             short(x, digits(x.abs())),
@@ -182,5 +192,49 @@ pub fn against_contact(run: &mut Run, reference: &TimeSeries) {
             own.spells(),
             wanted.spells()
         ));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use gearbench_reports::Metric;
+    use gearbench_reports::record::Metrics;
+
+    /// A run within the tolerance whose error of integration is beyond it is not decided: the agreement is chance.
+    #[test]
+    fn agreement_by_chance_is_not_decided() {
+        let tolerance = Tolerance {
+            metric: Metric::ForceL2,
+            against: "calculix".into(),
+            limit: 0.01,
+            ..Tolerance::default()
+        };
+        let judged = |error: f64, integration: Option<f64>| {
+            let metrics = |against: &str, error: f64| Metrics {
+                against: against.into(),
+                force_l2: Some(error),
+                ..Metrics::default()
+            };
+            let mut run = Run {
+                status: Status::Unchecked,
+                metrics: vec![metrics("calculix", error)],
+                ..Run::default()
+            };
+            run.metrics.extend(integration.map(|e| metrics(SELF, e)));
+            judge(&mut run, (Some(&tolerance), None), None);
+            (run.status, run.message.unwrap_or_default())
+        };
+        assert_eq!(judged(0.004, Some(0.002)).0, Status::Converged);
+        // Where the error of integration is not known, the one that is known decides.
+        assert_eq!(judged(0.004, None).0, Status::Converged);
+        assert_eq!(judged(0.03, Some(0.03)).0, Status::Inaccurate);
+        let (status, message) = judged(0.004, Some(0.03));
+        assert_eq!(status, Status::Unchecked);
+        assert!(
+            message.starts_with("not decided: ")
+                && message.contains("error of integration is 0.03"),
+            "{message}"
+        );
     }
 }

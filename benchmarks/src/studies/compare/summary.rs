@@ -118,7 +118,7 @@ fn verdicts(results: &Results) -> Option<String> {
         (beyond, "beyond the scene's tolerance"),
         (
             open.len(),
-            "not decided, since the yardstick is not accurate enough",
+            "not decided, since the yardstick or their integration is not accurate enough",
         ),
         (unjudged.len(), "not judged by the tolerance"),
     ];

@@ -97,13 +97,6 @@ fn modes_and_step(run: &Run) -> String {
     }
 }
 
-/// Returns the error of integration of a run, in a metric or in that which stands for it; `None` where it is not known.
-fn integration_error(row: Row<'_>, metric: Metric) -> Option<f64> {
-    let own = row.run.against(SELF)?;
-    let error = own.get(metric).or_else(|| own.get(metric.of_integration()));
-    error.map(f64::abs)
-}
-
 /// Reference with the metric of the errors against it and its own error.
 #[derive(Clone, Copy)]
 struct Yardstick<'a> {
@@ -129,8 +122,7 @@ impl Yardstick<'_> {
         limit: f64,
         has: impl Fn(Row<'_>) -> bool,
     ) -> Option<Row<'r>> {
-        let is_integrated =
-            |row: Row<'_>| integration_error(row, self.metric).is_none_or(|e| e <= limit);
+        let is_integrated = |row: Row<'_>| !row.run.agrees_by_chance(self.metric, limit);
         let all = rows
             .iter()
             .filter(|row| has(row) && is_integrated(row))
@@ -146,7 +138,7 @@ impl Yardstick<'_> {
             point(row, self.id, self.metric).is_some_and(|p| self.agrees(&p, limit))
         };
         let all = rows.iter().filter(|row| !is_fitted(row) && agrees(row));
-        all.filter(|row| integration_error(row, self.metric).is_some_and(|e| e > limit))
+        all.filter(|row| row.run.agrees_by_chance(self.metric, limit))
             .count()
     }
 
@@ -216,7 +208,7 @@ impl Precision {
                 .integrator(|i| rows[*i].run.integrator.clone()).shown("Integrator", Format::Text).result()
                 .add("resolution", "modes, and step or tolerance", |i| modes_and_step(&rows[*i].run)).shown("Resolution", Format::Text).result()
                 .add("error", metric.meaning(), |i| point(rows[*i], id, metric).map(|p| p.error)).shown("Error", Format::Percents(3)).result()
-                .add("integration_error", "error of integration", |i| if id == SELF { None } else { integration_error(rows[*i], metric) }).shown("Error of integration", Format::Percents(2)).result()
+                .add("integration_error", "error of integration", |i| if id == SELF { None } else { rows[*i].run.integration_error(metric) }).shown("Error of integration", Format::Percents(2)).result()
                 .add("cpu_s", "processor time", |i| rows[*i].run.cost_s()).shown("Processor time", Format::Quantities(3)).result()
                 .add("fitted_to", "reference of the fit", |i| rows[*i].run.fitted_to.clone()).shown("Fitted to", Format::Text).result()
                 .add("fair", "on the front without fitted models", |i| (any_fitted && is_fair(i)).then_some("\u{2713}")).shown("Front, nothing fitted", Format::Text).result()
@@ -241,7 +233,7 @@ impl Precision {
             }
             let least = |label: &String| {
                 let own = rows.iter().filter(|r| r.run.model_label() == *label);
-                let errors = own.filter_map(|r| Some((point(r, id, metric)?.error, integration_error(r, metric))));
+                let errors = own.filter_map(|r| Some((point(r, id, metric)?.error, r.run.integration_error(metric))));
                 errors.filter(|(error, own)| own.is_none_or(|own| own <= *error)).map(|(error, _)| error).min_by(f64::total_cmp)
             };
             let columns = columns.add("least", "least error of the runs whose error of integration is no larger", least).shown("Least error", Format::Percents(3)).result();

@@ -178,7 +178,8 @@ fn within(view: &View<'_>, most: f64) -> Markup {
         (None, _) => match cheapest_of(with(Adequacy::NotDecided)) {
             Some(run) => html! {
                 "The cheapest run that may be within the scene's tolerance (" (asked) ") is " (did(run)) ". It is not decided, since "
-                (undecided(view))
+                @if run.agrees_by_chance(view.metric, most) { "its error of integration alone exceeds the tolerance." }
+                @else { (undecided(view)) }
             },
             None => {
                 let closest = (runs().filter(|r| !r.status.is_failure()))
