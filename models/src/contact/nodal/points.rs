@@ -115,6 +115,12 @@ pub enum LineMotion {
     Relative(u32),
 }
 
+impl Default for LineMotion {
+    fn default() -> Self {
+        LineMotion::OwnDirections([0.0; 2])
+    }
+}
+
 /// Derivatives of a line by the motion of the second gear relative to the first, all about one point.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct RelativeMotion {
@@ -137,7 +143,7 @@ pub enum LineSlope {
 }
 
 /// Derivatives of a contact along a line of both flanks by its places on them and by the motion of the hubs.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct LineTerms {
     /// Motion of the hubs.
     pub motion: LineMotion,
@@ -153,20 +159,6 @@ pub struct LineTerms {
     pub with_nodes: [f64; 2],
     /// Relative radius of curvature [m].
     pub radius: f64,
-}
-
-impl LineTerms {
-    /// Creates the terms of a line whose gap follows a motion, without nodes.
-    pub fn new(motion: LineMotion) -> Self {
-        LineTerms {
-            motion,
-            slopes: [[0.0; 4]; 2],
-            ln_force: [0.0; 2],
-            deformed: [None; 2],
-            with_nodes: [0.0; 2],
-            radius: 0.0,
-        }
-    }
 }
 
 /// Contact point of one flank on the other, with the nodes of both faces.

@@ -292,7 +292,7 @@ impl FlankLines {
         };
         let mut radii = [0, 1].map(|k| -helix * p.scale[k] * per_place[k]);
         let mut relative = p.touch.as_ref().map(relative_motion);
-        let mut terms = LineTerms::new(LineMotion::OwnDirections(radii));
+        let mut terms = LineTerms::default();
         let (mut slots, mut weights) = ([[UNUSED; 4]; 2], [[0.0; 4]; 2]);
         let mut gap0 = p.gap;
         let mut ln_spread = 0.0;
@@ -374,16 +374,20 @@ impl FlankLines {
         }
         let weight = self.pairs.slices[line.slice].weight;
         let ln_force = ln_spread - (2.0 * self.compliance * terms.radius).ln();
-        let (mut x, mut normal) = (
-            line.origin + self.pairs.middle(p.s) * line.transverse,
-            line.normal,
-        );
-        terms.motion = LineMotion::OwnDirections(radii);
-        if let Some(relative) = relative {
-            (x, normal) = (relative.gap.point, relative.gap.force);
-            terms.motion = LineMotion::Relative(out.motions.len() as u32);
-            out.motions.push(relative);
-        }
+        let (x, normal) = match &p.touch {
+            None => (
+                line.origin + self.pairs.middle(p.s) * line.transverse,
+                line.normal,
+            ),
+            Some(touch) => (touch.x, touch.normal),
+        };
+        terms.motion = match relative {
+            None => LineMotion::OwnDirections(radii),
+            Some(relative) => {
+                out.motions.push(relative);
+                LineMotion::Relative(out.motions.len() as u32 - 1)
+            }
+        };
         out.lines.push(terms);
         out.points.push(NodalPoint {
             mesh: 0,
