@@ -384,8 +384,7 @@ fn stiff_bearings_are_fixed_axes() {
             println!(
                 "{k:.0e} N/m: displacement of the bearing {moved:.1e}, of the mesh {gave:.1e} off"
             );
-            // The pressure angle and the line of action turn with the hubs, by a part of order displacement/distance.
-            assert!(moved.abs() < 1e-6 && gave.abs() < 2e-2 * 1e9 / k + 3e-3);
+            assert!(moved.abs() < 1e-9 && gave.abs() < 1e-5);
             let parts = on_lines.iter().zip(&forces).map(|(a, b)| (a - b).abs());
             [
                 (turned - angle).abs() / angle.abs(),
@@ -395,8 +394,8 @@ fn stiff_bearings_are_fixed_axes() {
         .collect();
     for what in 0..2 {
         let [x, y]: [Vec<f64>; 2] = [
-            stiff.iter().map(|k| -f64::ln(*k)).collect(),
-            off.iter().map(|o| o[what].ln()).collect(),
+            stiff.iter().map(|k| 1.0 / k).collect(),
+            off.iter().map(|o| o[what]).collect(),
         ];
         let order = slope(&x, &y);
         println!("difference from fixed axes {off:?}, order {order:.3}");
