@@ -4,7 +4,7 @@ use super::flank_displacement::FlankDisplacement;
 use super::free_flight::FreeFlight;
 use crate::Vec3;
 use crate::geometry::{Flanks, Side};
-use crate::kinematics::{Row, Tooth};
+use crate::kinematics::{PointWrench, Row, Tooth};
 use gearbench_integrators::FlightPath;
 use gearbench_integrators::system::{Change, Coeffs, Singular, StateView};
 use std::sync::Arc;
@@ -30,9 +30,9 @@ pub trait DeformedLines {
     /// Returns the displacement of the lines of each flank under line loads, as [`FlankDisplacement::near_field`].
     fn near_field(&self) -> &Arc<Vec<Vec<f64>>>;
 
-    /// Returns the outward displacement of a line [m], and its slope by the displacement of the hub at fixed node
+    /// Returns the outward displacement of a line [m], and its derivative by the motion of the hub at fixed node
     /// positions.
-    fn outward(&self, at: StateView<'_>, line: u32) -> (f64, f64);
+    fn outward(&self, at: StateView<'_>, line: u32) -> (f64, PointWrench);
 
     /// Appends the slopes of `sum w_i a_i` of the outward displacements of lines by the positions of their nodes to a
     /// row of this gear.

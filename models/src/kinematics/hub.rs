@@ -296,4 +296,4 @@ mod hub_pose;
 #[cfg(test)]
 mod tests;
 
-pub use hub_pose::{BodyMotion, HubPose};
+pub use hub_pose::{BodyMotion, HubPose, PointWrench};

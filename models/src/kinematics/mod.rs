@@ -9,7 +9,7 @@ mod view;
 
 pub use crate::geometry::Frame as HubFrame;
 pub use freedom::{BodyMass, Motion, OutOfPlane, listed};
-pub use hub::{BodyMotion, Direction, Hub, HubPose, Wrench};
+pub use hub::{BodyMotion, Direction, Hub, HubPose, PointWrench, Wrench};
 pub use point::{Locus, Point, Tooth};
 pub use pose::{Placement, Pose};
 pub use row::Row;

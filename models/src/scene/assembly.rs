@@ -107,7 +107,7 @@ impl Scene {
         }
         plan.check_models(spec, &hubs, &rows)?;
         sets.check_models(spec, &rows)?;
-        check_contacts(spec, modelling, &hubs)?;
+        check_contacts(spec, modelling)?;
 
         let mut gears: Vec<SceneGear> = Vec::new();
         for (i, (g, model)) in spec.gears.iter().zip(&modelling.gears).enumerate() {

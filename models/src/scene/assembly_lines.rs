@@ -1,7 +1,7 @@
 //! Assembly of contact along lines of flanks: the gears that support it, and its law.
 
 use super::members::SceneGear;
-use super::mesh_assembly::varies_over_width;
+use super::mesh_assembly::{touches_in_space, varies_over_width};
 use crate::contact::pairs::{FlankLines, LineGear, LinesOfAction};
 use crate::error::{BuildError, GearPart, MeshPart, Reason};
 use crate::gear::GearModel;
@@ -25,7 +25,7 @@ pub(super) fn lines_of(spec: &SceneSpec, modelling: &Modelling, gear: usize) -> 
     let mut own = meshes.filter(|(m, c)| is_half_space(c) && m.gears.contains(&gear));
     let varies = |m: &MeshSpec| {
         let mut gears = m.gears.iter();
-        gears.any(|g| varies_over_width(&spec.gears[*g].body))
+        touches_in_space(spec, m) || gears.any(|g| varies_over_width(&spec.gears[*g].body))
     };
     let of = |(mesh, contact): (&MeshSpec, &ContactSpec)| match contact.slices {
         Some(n) => Strips::Count(n),

@@ -4,8 +4,7 @@ use super::assembly_lines::is_half_space;
 use super::members::{SceneGear, SceneMesh};
 use super::nodal::islands;
 use crate::error::{BuildError, GearPart, MeshPart};
-use crate::kinematics::Hub;
-use crate::spec::{Body, ContactSpec, Load, Modelling, SceneSpec, UPRIGHT};
+use crate::spec::{Body, ContactSpec, GearSpec, Load, Modelling, SceneSpec};
 
 /// Refuses different laws on meshes that residual compliance couples, because these are solved together.
 pub(super) fn refuse_two_laws(
@@ -62,39 +61,24 @@ pub(super) fn refuse_user_law(
 /// Refuses contacts on half-spaces that a model of the scene does not support, before any gear is meshed.
 ///
 /// # Errors
-/// A conical gear, a hub that does more than turn about z.
-pub(super) fn check_contacts(
-    spec: &SceneSpec,
-    modelling: &Modelling,
-    hubs: &[Hub],
-) -> Result<(), BuildError> {
+/// A conical gear.
+pub(super) fn check_contacts(spec: &SceneSpec, modelling: &Modelling) -> Result<(), BuildError> {
     let meshes = spec.meshes.iter().zip(&modelling.contacts);
     let half_spaces = meshes.filter(|(_, contact)| is_half_space(contact));
-    for i in half_spaces.flat_map(|(mesh, _)| mesh.gears) {
-        let (gear, hub) = (&spec.gears[i], &hubs[i]);
-        let conical = matches!(&gear.body, Body::Gear(g) if g.is_conical());
-        let (part, why) = if conical {
+    let gears = half_spaces.flat_map(|(mesh, _)| mesh.gears);
+    let conical = |gear: &&GearSpec| matches!(&gear.body, Body::Gear(g) if g.is_conical());
+    match gears.map(|i| &spec.gears[i]).find(conical) {
+        None => Ok(()),
+        Some(gear) => Err(BuildError::gear(
+            &gear.name,
+            GearPart::Model,
             (
-                GearPart::Model,
-                (
-                    "half-space contact needs cylindrical gears, but this one is conical",
-                    "use the contact of the elements, local = \"mesh\"",
-                ),
-            )
-        } else if hub.axes[2] != UPRIGHT[2] || hub.lateral.is_some() {
-            (
-                GearPart::Mount,
-                (
-                    "half-space contact needs hubs about z that only rotate",
-                    "use the contact of the elements, or remove bearing, directions and tilt of the axis",
-                ),
-            )
-        } else {
-            continue;
-        };
-        return Err(BuildError::gear(&gear.name, part, why).of_model());
+                "half-space contact needs cylindrical gears, but this one is conical",
+                "use the contact of the elements, local = \"mesh\"",
+            ),
+        )
+        .of_model()),
     }
-    Ok(())
 }
 
 /// Refuses loads that no run can apply.

@@ -102,8 +102,9 @@ pub(super) fn lines_of_action(
         stiffness_curve(a, b, l, contact).map_err(|e| error(MeshPart::Stiffness, e.reason()))?;
     let views = views(l, a, b, mesh.gears.map(|i| phases[i]));
     let hubs = [hub_of(a)?, hub_of(b)?];
-    let planar = l.conical.is_none() && moves_in_plane(&hubs);
-    let in_space = !planar && (is_spatial(&hubs) || l.conical.is_some());
+    let of_hubs = hubs.each_ref();
+    let planar = l.conical.is_none() && moves_in_plane(of_hubs);
+    let in_space = is_in_space(of_hubs) || l.conical.is_some();
     if in_space && (is_internal(&a.body) || is_internal(&b.body)) {
         return Err(error(
             MeshPart::Layout,
@@ -195,18 +196,27 @@ pub(super) fn lines_of_action(
 const PARALLEL: f64 = 1e-12;
 
 /// Returns true if hubs of gears on parallel axes move without tilt.
-fn moves_in_plane(hubs: &[Hub; 2]) -> bool {
+fn moves_in_plane(hubs: [&Hub; 2]) -> bool {
     let [a, b] = hubs;
     let holds = |hub: &Hub, d: usize| hub.directions()[d] == Direction::Fixed;
     let upright = |hub: &Hub| hub.slide.is_none() && holds(hub, 3) && holds(hub, 4);
     let moves = hubs.iter().any(|hub| hub.lateral.is_some());
-    moves && hubs.iter().all(upright) && a.axes[2].cross(&b.axes[2]).norm() <= PARALLEL
+    moves && hubs.into_iter().all(upright) && a.axes[2].cross(&b.axes[2]).norm() <= PARALLEL
 }
 
-/// Returns true if flanks have to be evaluated in space.
-fn is_spatial(hubs: &[Hub; 2]) -> bool {
-    let [a, b] = hubs.each_ref().map(|hub| hub.axes[2]);
-    hubs.iter().any(|hub| hub.lateral.is_some()) || a.cross(&b).norm() > PARALLEL
+/// Returns true if the flanks of cylindrical gears have to be evaluated in space, because the hubs tilt or the axes are not
+/// parallel.
+fn is_in_space(hubs: [&Hub; 2]) -> bool {
+    let [a, b] = hubs.map(|hub| hub.axes[2]);
+    let moves = hubs.iter().any(|hub| hub.lateral.is_some()) || a.cross(&b).norm() > PARALLEL;
+    moves && !moves_in_plane(hubs)
+}
+
+/// Returns true if the gears of a mesh touch in space, because their hubs tilt or their axes are not parallel: contact then
+/// varies over the width. Hubs that cannot be built touch nothing.
+pub fn touches_in_space(spec: &SceneSpec, mesh: &MeshSpec) -> bool {
+    let [a, b] = mesh.gears.map(|i| hub_of(&spec.gears[i]));
+    a.is_ok_and(|a| b.is_ok_and(|b| is_in_space([&a, &b])))
 }
 
 /// Returns the gear of a mesh whose sections are the slices, independent of the order: the narrower one, otherwise

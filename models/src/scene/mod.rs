@@ -54,5 +54,6 @@ pub use deformed::DeformedFlank;
 pub use friction::MeshFriction;
 pub use hubs::hub_of;
 pub use members::{SceneGear, SceneMesh};
+pub use mesh_assembly::touches_in_space;
 pub use modal::Coupling;
 pub use small_signals::{LinearisedScene, Mechanism, StrainIn};

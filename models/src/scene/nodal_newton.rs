@@ -2,10 +2,11 @@
 
 use super::assembled::Scene;
 use super::members::SceneMesh;
-use super::nodal::{Entry, NodalActive, ReducedTangent, rows_of};
+use super::nodal::{Entry, NodalActive, ReducedTangent, line_rows, rows_of};
 use crate::Vec3;
+use crate::contact::nodal::LineSlope;
 use crate::gear::{add_response, condensed};
-use crate::kinematics::Row;
+use crate::kinematics::{HubPose, Row};
 use gearbench_integrators::dense_solve::solve_in_place;
 use gearbench_integrators::system::{Coeffs, Singular, StateView};
 
@@ -271,10 +272,7 @@ impl Scene {
     ) -> f64 {
         let p = &self.work.nodal.found.points[a.point];
         let mesh = &self.meshes[p.mesh as usize];
-        let hub_poses = mesh.gears.map(|g| {
-            let own = self.gears[g].at(at);
-            self.gears[g].model.hub().hub.hub_pose(own.t, own.q)
-        });
+        let hub_poses = self.poses_of(mesh, at);
         let (effective_radii, mut drift) = rows_of(
             &self.gears,
             mesh,
@@ -291,13 +289,38 @@ impl Scene {
         drift
     }
 
-    /// Returns the part of the rate from driven hubs [m/s].
-    pub(super) fn driven_drift(
+    /// Returns the prescribed part of the rate of a line [m/s] for a derivative of its gap by the motion of the hubs.
+    pub(super) fn line_drift(
         &self,
-        mesh: &SceneMesh,
-        effective_radii: [f64; 2],
+        a: &NodalActive,
+        of_line: &LineSlope,
         at: StateView<'_>,
     ) -> f64 {
+        let found = &self.work.nodal.found;
+        let p = &found.points[a.point];
+        let mesh = &self.meshes[p.mesh as usize];
+        let hub_poses = self.poses_of(mesh, at);
+        let (effective_radii, drift) = line_rows(
+            &self.gears,
+            mesh,
+            (p, found, of_line),
+            hub_poses.each_ref().map(Option::as_ref),
+            at,
+            &mut Row::default(),
+        );
+        drift + self.driven_drift(mesh, effective_radii, at)
+    }
+
+    /// Returns the poses of the hubs of a mesh.
+    fn poses_of(&self, mesh: &SceneMesh, at: StateView<'_>) -> [Option<HubPose>; 2] {
+        mesh.gears.map(|g| {
+            let own = self.gears[g].at(at);
+            self.gears[g].model.hub().hub.hub_pose(own.t, own.q)
+        })
+    }
+
+    /// Returns the part of the rate from driven hubs [m/s].
+    fn driven_drift(&self, mesh: &SceneMesh, effective_radii: [f64; 2], at: StateView<'_>) -> f64 {
         let of_gear = |(radius, &g): (&f64, &usize)| {
             let hub = self.gears[g].model.hub();
             if !hub.is_free() {

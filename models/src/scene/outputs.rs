@@ -207,7 +207,7 @@ impl Scene {
             power.external -= a.force.n
                 * match a.of_line {
                     // The hub force includes the change of the potential along the path.
-                    Some(_) => self.driven_drift(mesh, a.effective_radii, at),
+                    Some(of_line) => self.line_drift(a, &of_line, at),
                     None => self.nodal_drift(a, (a.direction, a.tapered_gap), at),
                 };
             if mesh.friction.is_some() {

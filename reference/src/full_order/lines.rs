@@ -3,22 +3,24 @@
 //! Outward displacement of a line of nodes with weights `w` and outward normals `n` in the frame on the hub,
 //!
 //! ```text
-//! a = sum w n . u,    u = R^T (X + d) - X,    da/dtheta = -sum w n . (z x (X + u)),    da/dd = w R n
+//! a = sum w n . u,    u = R^T (X + d - s) - X,    da/dd = w R n
+//! da = -F . v - M . w,    F = R sum w n,    M = R sum (X + u) x w n
 //! ```
 //!
+//! for a hub at `s` with the velocity `v` and the angular velocity `w`, about its origin:
 //! the same sums as those of a reduction ([`LinesOfFlanks`]).
 
 use super::FullOrder;
-use super::frame::unit_motion;
 use super::kinematics::dot3;
 use crate::mesh::GearMesh;
 use crate::reduction::{Surface, near_field_of_flanks};
 use gearbench_integrators::system::StateView;
+use gearbench_models::Vec3;
 use gearbench_models::error::Reason;
 use gearbench_models::gear::DeformedLines;
 use gearbench_models::gear::elastic::lines::{LinesOfFlanks, Strips};
 use gearbench_models::geometry::Flanks;
-use gearbench_models::kinematics::{Pose, Row};
+use gearbench_models::kinematics::{PointWrench, Pose, Row};
 use gearbench_models::stiffness::Material;
 use std::sync::Arc;
 
@@ -87,17 +89,23 @@ impl DeformedLines for FullOrder {
         &self.lines.near_field
     }
 
-    fn outward(&self, at: StateView<'_>, line: u32) -> (f64, f64) {
+    fn outward(&self, at: StateView<'_>, line: u32) -> (f64, PointWrench) {
         let (frame, d) = (self.frame(at), &at.q[self.own..]);
-        let (mut outward, mut by_hub) = (0.0, 0.0);
+        let (mut outward, mut force, mut moment) = (0.0, Vec3::zeros(), Vec3::zeros());
         for (node, direction) in self.lines.of(line) {
             let x = &self.body.position[*node as usize];
             let place = self.body.place[*node as usize] as usize;
             let u = frame.elastic(x, &d[3 * place..][..3]);
             outward += dot3(u, direction);
-            let moved = [x.x + u[0], x.y + u[1], x.z + u[2]];
-            by_hub -= dot3(unit_motion(&moved, self.slide()), direction);
+            let direction = Vec3::from(*direction);
+            force -= direction;
+            moment -= (x + Vec3::from(u)).cross(&direction);
         }
+        let by_hub = PointWrench {
+            point: self.hub.hub.frame(at.t, at.q).origin,
+            force: frame.to_space(force.into()).into(),
+            moment: frame.to_space(moment.into()).into(),
+        };
         (outward, by_hub)
     }
 

@@ -84,16 +84,6 @@ fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
     // A hub that moves in several directions, or turns about a tilted axis.
     let floats = context.hub.lateral.is_some()
         || (context.hub.slide.is_none() && context.hub.axes != UPRIGHT);
-    if floats && context.lines.is_some() {
-        let error = reader.error(
-            "mesh",
-            (
-                "half-spaces touch lines of full finite elements whose hub is about z and moves in its own direction alone",
-                "give the contact local = \"mesh\", hold the hub, or use the model `elastic`",
-            ),
-        );
-        return Err(error.of_model());
-    }
     let lines = match context.lines {
         None => Lines::default(),
         Some(strips) => Lines::new(

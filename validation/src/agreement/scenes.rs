@@ -185,7 +185,7 @@ fn models(r: &mut Random, kind: Kind) -> Vec<ModelTable> {
         ..contact(r.one(&[0.005, 0.02, 0.06]))
     };
     let on_bearings = kind == Kind::HelicalOnBearings;
-    // Half-spaces need hubs that turn about fixed axes.
+    // The elements of the flanks touch where hubs tilt.
     let elastic = ContactTable {
         penalty_pa_per_m: on_bearings.then_some(1e15),
         local: (!on_bearings).then_some(LocalContact::HalfSpace),

@@ -20,7 +20,7 @@ use super::plan::elastic;
 use super::problem::{ElasticSettings, Problem};
 use crate::experiment::budget::ProcessorClock;
 use gearbench_models::law::Damping;
-use gearbench_models::scene::Scene;
+use gearbench_models::scene::{Scene, touches_in_space};
 use gearbench_models::spec::{Body, FlankContact};
 use gearbench_reference::reduction::ElasticParameters;
 use gearbench_reference::{MeshParameters, REFERENCES};
@@ -229,7 +229,10 @@ fn refined(
     gear: usize,
 ) -> Result<MeshParameters, String> {
     let sliced = (problem.flexible.contacts.iter()).any(|c| c.slices.is_some());
-    let even = !sliced && even_over_width(&problem.scene.gears[gear].body);
+    let scene = &problem.scene;
+    let mut own = scene.meshes.iter().filter(|m| m.gears.contains(&gear));
+    let in_space = own.any(|m| touches_in_space(scene, m));
+    let even = !sliced && !in_space && even_over_width(&scene.gears[gear].body);
     let more = |of: &MeshParameters| {
         let finer = of.times(FACTOR);
         MeshParameters {

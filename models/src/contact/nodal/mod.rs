@@ -48,6 +48,9 @@ pub use dissipative::{DissipativeSolve, PortDirection, PortPoint, Ports};
 pub use hard::{HardSolve, Share};
 pub use nodes::{GearNodes, weighted};
 pub use point_based::PointBasedSolve;
-pub use points::{GapBound, LineTerms, NodalGearState, NodalPoint, NodalPoints};
+pub use points::{
+    GapBound, LineMotion, LineSlope, LineTerms, NodalGearState, NodalPoint, NodalPoints,
+    RelativeMotion,
+};
 pub use solve::NodalSolve;
 pub use spring::{Spring, UNUSED, deepest};

@@ -5,7 +5,7 @@ use crate::Vec3;
 use crate::contact::gear_state::GearState;
 use crate::gear::FlankDisplacement;
 use crate::geometry::Side;
-use crate::kinematics::{Point, Tooth};
+use crate::kinematics::{Point, PointWrench, Tooth};
 
 /// A gear of a mesh in the search for nodal points.
 pub struct NodalGearState<'a> {
@@ -69,6 +69,8 @@ pub struct NodalPoints {
     pub partners: Vec<Point>,
     /// Additional terms of contacts along lines of flanks.
     pub lines: Vec<LineTerms>,
+    /// Derivatives of those lines whose hubs move in further directions than their own.
+    pub motions: Vec<RelativeMotion>,
 }
 
 impl NodalPoints {
@@ -77,34 +79,86 @@ impl NodalPoints {
         self.points.clear();
         self.partners.clear();
         self.lines.clear();
+        self.motions.clear();
+    }
+
+    /// Returns the derivative of the gap of a line by the motion of the hubs, with outward node displacements `a` of both
+    /// gears, and with further derivatives `by_place` by the places on both flanks.
+    #[inline]
+    pub fn line_slope(&self, line: u32, a: [[f64; 4]; 2], by_place: [f64; 2]) -> LineSlope {
+        let line = &self.lines[line as usize];
+        let moved = |k: usize| weighted(&line.slopes[k], &a[k]);
+        match line.motion {
+            LineMotion::OwnDirections(radii) => {
+                LineSlope::OwnDirections([0, 1].map(|k| radii[k] - moved(k) + by_place[k]))
+            }
+            LineMotion::Relative(motion) => {
+                let motion = &self.motions[motion as usize];
+                let mut gap = motion.gap;
+                for k in 0..2 {
+                    gap.add(by_place[k] - moved(k), &motion.paths[k]);
+                }
+                LineSlope::Relative(gap)
+            }
+        }
     }
 }
 
-/// Derivatives of a contact along a line of both flanks by the displacements of the gears of its mesh.
+/// Motion of the hubs of a mesh by which the gap of a line and its places on both flanks change.
+#[derive(Clone, Copy, Debug)]
+pub enum LineMotion {
+    /// Rotation or sliding alone, with the slopes of the gap of undeformed flanks by the displacement of each gear. The
+    /// place on a flank is measured by the displacement of its own gear.
+    OwnDirections([f64; 2]),
+    /// Motion in further directions: index in [`NodalPoints::motions`]. The place on a flank is measured by its path
+    /// coordinate.
+    Relative(u32),
+}
+
+impl Default for LineMotion {
+    fn default() -> Self {
+        LineMotion::OwnDirections([0.0; 2])
+    }
+}
+
+/// Derivatives of a line by the motion of the second gear relative to the first, all about one point.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct RelativeMotion {
+    /// Derivative of the gap of undeformed flanks.
+    pub gap: PointWrench,
+    /// Derivatives of the path coordinates of both flanks.
+    pub paths: [PointWrench; 2],
+    /// Derivatives of the gap by the motion of the hub of each gear with [deformed lines](crate::gear::DeformedLines),
+    /// while its nodes are at rest; zero for other gears.
+    pub of_nodes: [PointWrench; 2],
+}
+
+/// Derivative of the gap of a line with displaced nodes by the motion of the hubs.
+#[derive(Clone, Copy, Debug)]
+pub enum LineSlope {
+    /// Derivatives by the displacements of both gears.
+    OwnDirections([f64; 2]),
+    /// Derivative by the motion of the second gear relative to the first.
+    Relative(PointWrench),
+}
+
+/// Derivatives of a contact along a line of both flanks by its places on them and by the motion of the hubs.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct LineTerms {
-    /// Slope of the gap of undeformed flanks by the displacement of each gear.
-    pub effective_radii: [f64; 2],
-    /// Slopes of the weights of the nodes of each gear by its displacement.
+    /// Motion of the hubs.
+    pub motion: LineMotion,
+    /// Slopes of the weights of the nodes of each gear by the place on its flank.
     pub slopes: [[f64; 4]; 2],
-    /// Slopes of the logarithm of the force of the law.
+    /// Slopes of the logarithm of the force of the law by the place on each flank.
     pub ln_force: [f64; 2],
     /// Lines of a gear with [deformed lines](crate::gear::DeformedLines) in place of slots. Their weights are those of
-    /// the point; their dependence on the hub is part of the effective radius.
+    /// the point; their dependence on the hub is part of the motion.
     pub deformed: [Option<[u32; 4]>; 2],
     /// Increase of the slope for nodes that rotate with their gear: it determines the moment about the hub, whatever
     /// the force on the hub coordinate.
     pub with_nodes: [f64; 2],
     /// Relative radius of curvature [m].
     pub radius: f64,
-}
-
-impl LineTerms {
-    /// Returns the slope of the gap by the displacement of gear `k`, with outward node displacements `a`.
-    #[inline]
-    pub fn effective_radius(&self, k: usize, a: &[f64; 4]) -> f64 {
-        self.effective_radii[k] - weighted(&self.slopes[k], a)
-    }
 }
 
 /// Contact point of one flank on the other, with the nodes of both faces.

@@ -17,20 +17,34 @@
 //! ```
 //!
 //! with the slope of `a_k` by `theta_k` as well for gears with explicit node positions
-//! ([`DeformedLines`](crate::gear::DeformedLines)). The facets of a mesh have no effect: geometry under load is that
+//! ([`DeformedLines`](crate::gear::DeformedLines)).
+//!
+//! Hubs that move in further directions change the gap and both path coordinates by their relative motion, the velocity
+//! `v` of gear b relative to gear a at the contact point and the angular velocity `w`: `dg = n . v`, `ds_k = f_k . v + m_k .
+//! w`, exact for parallel axes and as nearest points in space. So the line exerts one wrench on gear b and its
+//! opposite on gear a,
+//!
+//! ```text
+//! N n - sum_k (N w_k' . a_k + dV/dF_0 dF_0/ds_k) (f_k, m_k)
+//! ```
+//!
+//! whatever the directions of the hubs. Strips of both flanks stay partners: a displacement along the axis shifts them by
+//! less than a strip. The facets of a mesh have no effect: geometry under load is that
 //! of the exact flank. The motion of the contact along the profile by the tilt of a flank, `R` times the tilt, is
 //! neglected: 1 % of the approach where teeth are loaded to 800 N/mm. A tip edge counts as the end of the flank, with
 //! its curvature there.
 
-use super::lines::{Line, LinesOfAction, MeshedGears, side_index};
+use super::lines::{Line, LinesOfAction, MeshedGears, PairState, side_index};
+use super::spatial::NearestPoints;
 use crate::Vec3;
 use crate::contact::nodal::{
-    GapBound, GearNodes, LineTerms, NodalGearState, NodalPoint, NodalPoints, UNUSED, weighted,
+    GapBound, GearNodes, LineMotion, LineTerms, NodalGearState, NodalPoint, NodalPoints,
+    RelativeMotion, UNUSED, weighted,
 };
 use crate::error::Reason;
 use crate::gear::elastic::lines::spread;
 use crate::geometry::Flanks;
-use crate::kinematics::Tooth;
+use crate::kinematics::{PointWrench, Tooth};
 use crate::spec::Body;
 use std::f64::consts::{LN_2, PI};
 use std::sync::Arc;
@@ -74,12 +88,13 @@ struct LineFlank {
     nodes: Vec<u32>,
 }
 
-/// Position of a contact on a flank, with its derivatives by the displacement of the gear.
+/// Position of a contact on a flank, with its derivatives by its place: the displacement of the gear, or the path
+/// coordinate.
 struct FlankPosition {
     lines: [u32; 4],
     weights: [f64; 4],
     slopes: [f64; 4],
-    /// Logarithm of the width over which the mesh distributes the load, and its slope by the displacement.
+    /// Logarithm of the width over which the mesh distributes the load, and its slope.
     ln_spread: (f64, f64),
 }
 
@@ -149,7 +164,7 @@ impl LineGear {
         self.of_tooth.get(tooth)?[side].map(|f| f as usize)
     }
 
-    /// Returns the position of a height on a flank, with the slope of the height by the displacement.
+    /// Returns the position of a height on a flank, with the slope of the height by the place.
     #[inline]
     fn place(&self, flank: usize, strip: usize, (height, slope): (f64, f64)) -> FlankPosition {
         let f = &self.flanks[flank];
@@ -243,7 +258,7 @@ impl FlankLines {
         } else {
             sides[0].bound() + sides[1].bound()
         };
-        let gears = &MeshedGears::new(&sides[0].gear_state, &sides[1].gear_state);
+        let gears = &MeshedGears::for_lines(&sides[0].gear_state, &sides[1].gear_state);
         for (l, line) in self.pairs.lines.iter().enumerate() {
             if self.pairs.clearly_open(line, gears, limit) {
                 continue;
@@ -252,23 +267,31 @@ impl FlankLines {
             self.pairs.each_pair(l, range, gears, |_, pair, s| {
                 let p = self.pairs.pair(line, gears, pair, s);
                 if p.gap <= limit {
-                    self.line_point(line, &p, &mut sides, gap_bound, out);
+                    self.line_point(line, &p, (gears, &mut sides), gap_bound, out);
                 }
             });
         }
     }
 
+    /// Appends the line of a pair, and registers its nodes.
     fn line_point(
         &self,
         line: &Line,
-        p: &super::lines::PairState,
-        sides: &mut [NodalGearState<'_>; 2],
+        p: &PairState,
+        (gears, sides): (&MeshedGears<'_>, &mut [NodalGearState<'_>; 2]),
         gap_bound: &mut GapBound,
         out: &mut NodalPoints,
     ) {
         let mesh = &self.pairs.mesh;
         let helix = self.pairs.helix_cos;
         let side = side_index(line.side);
+        // Places on the flanks are displacements of the gears, or path coordinates.
+        let per_place = match p.touch {
+            None => [0, 1].map(|k| line.map[k].per_displacement),
+            Some(_) => [1.0; 2],
+        };
+        let mut radii = [0, 1].map(|k| -helix * p.scale[k] * per_place[k]);
+        let mut relative = p.touch.as_ref().map(relative_motion);
         let mut terms = LineTerms::default();
         let (mut slots, mut weights) = ([[UNUSED; 4]; 2], [[0.0; 4]; 2]);
         let mut gap0 = p.gap;
@@ -277,9 +300,7 @@ impl FlankLines {
         let mut curvature = [0.0; 2];
         let mut bends = [0.0; 2];
         for k in 0..2 {
-            let moves = line.map[k].per_displacement;
-            terms.effective_radii[k] = -helix * p.scale[k] * moves;
-            let s = p.s[k];
+            let (moves, s) = (per_place[k], p.s[k]);
             let height = match mesh.views[k].base_radius {
                 Some(rb) => {
                     let least = SHARPEST * mesh.base_pitch;
@@ -316,12 +337,26 @@ impl FlankLines {
                 gap0 -= weighted(&weights[k], &GearNodes::at(&nodes.displacement, &slots[k]));
                 terms.slopes[k] = place.slopes;
             } else if let Some(lines) = gear_state.gear.deformed_lines() {
-                let outward = place.lines.map(|line| lines.outward(gear_state.at, line));
-                let (a, by_hub) = (outward.map(|x| x.0), outward.map(|x| x.1));
+                let at = gear_state.at;
+                let outward = place.lines.map(|line| lines.outward(at, line));
+                let a = outward.map(|x| x.0);
                 gap0 -= weighted(&weights[k], &a);
-                let of_nodes = weighted(&weights[k], &by_hub);
-                terms.effective_radii[k] -= weighted(&place.slopes, &a) + of_nodes;
-                terms.with_nodes[k] = of_nodes;
+                let moved = weighted(&place.slopes, &a);
+                let hub = &gear_state.gear.hub().hub;
+                let mut of_nodes = PointWrench {
+                    point: gears.of[k].frame().0.origin,
+                    ..PointWrench::default()
+                };
+                for (w, (_, by_hub)) in weights[k].iter().zip(&outward) {
+                    of_nodes.add(*w, by_hub);
+                }
+                let own = hub.own_component(hub.hub_pose(at.t, at.q).as_ref(), &of_nodes);
+                radii[k] -= moved + own;
+                terms.with_nodes[k] = own;
+                if let Some(relative) = &mut relative {
+                    relative.gap.add(-moved, &relative.paths[k]);
+                    relative.of_nodes[k].add(-1.0, &of_nodes);
+                }
                 terms.deformed[k] = Some(place.lines);
             }
             let share = 2.0 * gear.compliance / self.compliance;
@@ -339,6 +374,20 @@ impl FlankLines {
         }
         let weight = self.pairs.slices[line.slice].weight;
         let ln_force = ln_spread - (2.0 * self.compliance * terms.radius).ln();
+        let (x, normal) = match &p.touch {
+            None => (
+                line.origin + self.pairs.middle(p.s) * line.transverse,
+                line.normal,
+            ),
+            Some(touch) => (touch.x, touch.normal),
+        };
+        terms.motion = match relative {
+            None => LineMotion::OwnDirections(radii),
+            Some(relative) => {
+                out.motions.push(relative);
+                LineMotion::Relative(out.motions.len() as u32 - 1)
+            }
+        };
         out.lines.push(terms);
         out.points.push(NodalPoint {
             mesh: 0,
@@ -347,8 +396,8 @@ impl FlankLines {
             partner: None,
             line: Some(out.lines.len() as u32 - 1),
             teeth: p.teeth,
-            x: line.origin + self.pairs.middle(p.s) * line.transverse,
-            normal: line.normal,
+            x,
+            normal,
             sensitivity: [Vec3::zeros(); 2],
             place: [0.0; 2],
             slots,
@@ -358,5 +407,25 @@ impl FlankLines {
             share: weight,
             taper_gradient: Vec3::zeros(),
         });
+    }
+}
+
+/// Returns the derivatives of gap and path coordinates by the motion of gear b relative to gear a, about the contact point.
+fn relative_motion(touch: &NearestPoints) -> RelativeMotion {
+    let here = PointWrench {
+        point: touch.x,
+        ..PointWrench::default()
+    };
+    RelativeMotion {
+        gap: PointWrench {
+            force: touch.normal,
+            ..here
+        },
+        paths: touch.rolls.map(|roll| {
+            let mut path = here;
+            path.add(1.0, &roll);
+            path
+        }),
+        of_nodes: [here; 2],
     }
 }

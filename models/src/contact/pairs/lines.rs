@@ -167,11 +167,21 @@ impl<'a> GearKinematics<'a> {
     }
 }
 
+/// Derivatives that the nearest points of flanks in space include.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd)]
+pub(super) enum PointDerivatives {
+    /// That of the gap.
+    Gap,
+    /// That of the gap and of the path coordinate.
+    Path,
+    /// Those of the gap and of the lengths of roll of both flanks.
+    Rolls,
+}
+
 /// Both gears of a mesh at a state.
 pub(super) struct MeshedGears<'a> {
     pub(super) of: [GearKinematics<'a>; 2],
-    /// True if nearest points include the derivative of the path coordinate.
-    pub(super) with_paths: bool,
+    pub(super) derivatives: PointDerivatives,
     pose: OnceCell<MeshPose>,
 }
 
@@ -180,7 +190,7 @@ impl<'a> MeshedGears<'a> {
     pub(super) fn new(a: &GearState<'a>, b: &GearState<'a>) -> Self {
         MeshedGears {
             of: [GearKinematics::new(a), GearKinematics::new(b)],
-            with_paths: true,
+            derivatives: PointDerivatives::Path,
             pose: OnceCell::new(),
         }
     }
@@ -189,7 +199,16 @@ impl<'a> MeshedGears<'a> {
     #[inline]
     pub(super) fn for_gaps(a: &GearState<'a>, b: &GearState<'a>) -> Self {
         MeshedGears {
-            with_paths: false,
+            derivatives: PointDerivatives::Gap,
+            ..Self::new(a, b)
+        }
+    }
+
+    /// Creates the gears of a mesh whose contacts have places on both flanks.
+    #[inline]
+    pub(super) fn for_lines(a: &GearState<'a>, b: &GearState<'a>) -> Self {
+        MeshedGears {
+            derivatives: PointDerivatives::Rolls,
             ..Self::new(a, b)
         }
     }

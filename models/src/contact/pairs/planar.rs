@@ -23,6 +23,7 @@ use super::lines::{Line, LinesOfAction, MeshedGears, PairState};
 use super::spatial::NearestPoints;
 use crate::Vec3;
 use crate::geometry::Side;
+use crate::kinematics::PointWrench;
 
 impl LinesOfAction {
     /// Returns a pair whose hubs have moved in the transverse plane and along their axes.
@@ -94,6 +95,11 @@ impl LinesOfAction {
                 0.5 * (force[0] - force[1]),
                 0.5 * (moment[0] - moment[1]) * axis,
             ],
+            rolls: [0, 1].map(|k| PointWrench {
+                point: place,
+                force: force[k],
+                moment: moment[k] * axis,
+            }),
         });
         p.scale = [1.0; 2];
         p.curvature = [0.0; 2];

@@ -30,10 +30,10 @@ mod section;
 #[cfg(test)]
 mod tests;
 
-use super::lines::{Line, LinesOfAction, MeshedGears, PairState, side_index};
+use super::lines::{Line, LinesOfAction, MeshedGears, PairState, PointDerivatives, side_index};
 use crate::Vec3;
 use crate::geometry::{Frame, PlaneAngle, Side};
-use crate::kinematics::HubFrame;
+use crate::kinematics::{HubFrame, PointWrench};
 pub use flanks::{FlankForm, Helicoid, Plane};
 use section::{Section, SectionPoint};
 use std::cell::Cell;
@@ -61,6 +61,8 @@ pub struct NearestPoints {
     /// Derivative of the path coordinate, `ds = f . v + m . w` with the velocity `v` at the contact point and the
     /// angular velocity `w` of gear b relative to gear a; zero where it is not needed.
     pub path: [Vec3; 2],
+    /// Derivatives of both lengths of roll by the motion of gear b relative to gear a; zero where they are not needed.
+    pub rolls: [PointWrench; 2],
 }
 
 /// Flanks of a mesh in space.
@@ -223,7 +225,7 @@ impl Spatial {
         section: &Section<'_>,
         mut place: SectionPoint,
         pose: &MeshPose,
-        with_path: bool,
+        derivatives: PointDerivatives,
     ) -> NearestPoints {
         let (i, j) = (self.sliced, 1 - self.sliced);
         let (own, mate, side, z) = (section.own, section.mate, section.side, section.z);
@@ -240,10 +242,14 @@ impl Spatial {
             FlankForm::Involute(_) => foot,
             FlankForm::Plane(_) => self.length - place.roll,
         };
-        let path = match with_path {
-            true => self.path(section, pose, &place),
-            false => [Vec3::zeros(); 2],
-        };
+        let (mut path, mut of_rolls) = ([Vec3::zeros(); 2], [PointWrench::default(); 2]);
+        if derivatives != PointDerivatives::Gap {
+            let rolls = self.roll_slopes(section, pose, &place);
+            match derivatives {
+                PointDerivatives::Rolls => of_rolls = self.roll_wrenches(&rolls, pose, &place),
+                _ => path = self.path(side, pose, &rolls),
+            }
+        }
         // The outward normal of the sliced gear points from a to b where that is a.
         let sign = if j == 1 { -1.0 } else { 1.0 };
         let touch = |gap: f64, x: &Vec3, outward: &Vec3| NearestPoints {
@@ -252,6 +258,7 @@ impl Spatial {
             normal: pose.mate.turn(&(sign * outward)),
             roll: rolls,
             path,
+            rolls: of_rolls,
         };
         let plain = !own.modified && !mate.is_modified();
         let tip = own.tip(side, z);
@@ -270,9 +277,14 @@ impl Spatial {
         touch(place.near.distance + e, &place.x, &place.near.gradient)
     }
 
-    /// Returns the derivative of the path coordinate by the motion of gear b relative to gear a.
-    fn path(&self, section: &Section<'_>, pose: &MeshPose, place: &SectionPoint) -> [Vec3; 2] {
-        let (i, j) = (self.sliced, 1 - self.sliced);
+    /// Returns the derivatives of the lengths of roll of the sliced gear and of its mate by the velocity at the point and the
+    /// angular velocity of the mate relative to the sliced gear, in the axes of the mate.
+    fn roll_slopes(
+        &self,
+        section: &Section<'_>,
+        pose: &MeshPose,
+        place: &SectionPoint,
+    ) -> [[Vec3; 2]; 2] {
         let (side, near, base) = (section.side, &place.near, &place.direction);
         let sigma = side.sign();
         let outward = sigma * pose.sliced.axes[2].cross(base);
@@ -282,7 +294,8 @@ impl Spatial {
         let couple = base.cross(normal);
         let FlankForm::Involute(other) = section.mate else {
             // On a rack the place is that of the gear's own flank.
-            return [Vec3::zeros(), pose.mate.turn(&(couple / turning))];
+            let own = [Vec3::zeros(), couple / turning];
+            return [own, own.map(|x| -x)];
         };
         let other = other.flank(side);
         let per_roll = place.roll / rb;
@@ -300,10 +313,34 @@ impl Spatial {
         let along = (lever * across + outward.dot(base)) * per_roll;
         let still = lever * of_mate + sigma * other.tan_helix * Vec3::z();
         let foot = [along * own_roll[0] - still, along * own_roll[1]];
+        [own_roll, foot]
+    }
+
+    /// Returns the derivative of the path coordinate by the motion of gear b relative to gear a, from those of both rolls.
+    fn path(&self, side: Side, pose: &MeshPose, [own, mate]: &[[Vec3; 2]; 2]) -> [Vec3; 2] {
         let scale = self.roll_scale[side_index(side)];
+        let (of_own, of_mate) = (scale[self.sliced], scale[1 - self.sliced]);
         [0, 1].map(|k| {
-            let moves = 0.5 * (scale[i] * own_roll[k] - scale[j] * foot[k]);
+            let moves = 0.5 * (of_own * own[k] - of_mate * mate[k]);
             pose.mate.turn(&moves)
+        })
+    }
+
+    /// Returns the derivatives of the lengths of roll of gear a and gear b by the motion of gear b relative to gear a.
+    fn roll_wrenches(
+        &self,
+        rolls: &[[Vec3; 2]; 2],
+        pose: &MeshPose,
+        place: &SectionPoint,
+    ) -> [PointWrench; 2] {
+        let sign = if self.sliced == 0 { 1.0 } else { -1.0 };
+        [0, 1].map(|gear| {
+            let [force, moment] = &rolls[usize::from(gear != self.sliced)];
+            PointWrench {
+                point: pose.mate.point(&place.x),
+                force: sign * pose.mate.turn(force),
+                moment: sign * pose.mate.turn(moment),
+            }
         })
     }
 }
@@ -422,7 +459,7 @@ impl LinesOfAction {
         let (section, guess) = self.section_of_pair(spatial, line, gears, pair, s);
         let pose = gears.pose(spatial);
         let place = spatial.nearest(&section, pair, pose, guess);
-        let touch = spatial.touch(&section, place, pose, gears.with_paths);
+        let touch = spatial.touch(&section, place, pose, gears.derivatives);
         let maps = self.slices[line.slice].rolls.as_ref();
         let maps = maps.map(|maps| maps[side_index(line.side)]);
         PairState {

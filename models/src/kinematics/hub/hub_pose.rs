@@ -1,7 +1,8 @@
 //! Pose of a hub with out-of-plane freedom at a state, shared by all points of its gear.
 //!
 //! A unit force along `n` at `x` has the wrench `[n; (x - o) x n]` about the place `o` of the hub. Of it the turn takes the
-//! component along the turned axis, and the lateral directions `S^T` of it, in the axes of the mount.
+//! component along the turned axis, and the lateral directions `S^T` of it, in the axes of the mount. A [`PointWrench`] has a
+//! moment of its own besides.
 
 use super::Hub;
 use crate::Vec3;
@@ -17,6 +18,33 @@ pub struct HubPose {
     frame: HubFrame,
     /// Axes of the three rotations, in the axes of the mount.
     rotations: [Vec3; 3],
+}
+
+/// Force and moment about a point in space, on a body; likewise the derivative of a quantity by the motion of a body, `dy =
+/// force . v + moment . w` with the velocity `v` of the body at that point and its angular velocity `w`.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PointWrench {
+    /// Point in space [m].
+    pub point: Vec3,
+    /// Force.
+    pub force: Vec3,
+    /// Moment about the point.
+    pub moment: Vec3,
+}
+
+impl PointWrench {
+    /// Returns the moment about another point [m].
+    #[inline]
+    pub fn moment_about(&self, origin: &Vec3) -> Vec3 {
+        (self.point - origin).cross(&self.force) + self.moment
+    }
+
+    /// Adds the multiple `x other`, about this point.
+    #[inline]
+    pub fn add(&mut self, x: f64, other: &PointWrench) {
+        self.force += x * other.force;
+        self.moment += x * other.moment_about(&self.point);
+    }
 }
 
 /// Motion of a body on a hub, in space.
@@ -85,6 +113,19 @@ impl Hub {
         }
     }
 
+    /// Returns the component of a wrench in the direction of the hub's own motion.
+    #[inline]
+    pub fn own_component(&self, hub_pose: Option<&HubPose>, wrench: &PointWrench) -> f64 {
+        let (axis, origin) = match hub_pose {
+            Some(HubPose { frame, .. }) => (&frame.axes[2], &frame.origin),
+            None => (&self.axes[2], &self.centre),
+        };
+        match &self.slide {
+            None => axis.dot(&wrench.moment_about(origin)),
+            Some(slide) => slide.dot(&wrench.force),
+        }
+    }
+
     /// Appends the out-of-plane directions to a row, and with `with_own` that of its own motion. Returns the part of
     /// `d(x . n)/dt` [m/s] from driven directions.
     pub fn lateral_row_on(
@@ -92,6 +133,24 @@ impl Hub {
         t: f64,
         hub_pose: &HubPose,
         (x, n): (&Vec3, &Vec3),
+        row: &mut Row,
+        with_own: bool,
+    ) -> f64 {
+        let wrench = PointWrench {
+            point: *x,
+            force: *n,
+            moment: Vec3::zeros(),
+        };
+        self.wrench_row_on(t, hub_pose, &wrench, row, with_own)
+    }
+
+    /// Appends the components of a wrench in the out-of-plane directions to a row, and with `with_own` that in the direction
+    /// of the hub's own motion. Returns the part of the power per unit wrench from driven directions.
+    pub fn wrench_row_on(
+        &self,
+        t: f64,
+        hub_pose: &HubPose,
+        wrench: &PointWrench,
         row: &mut Row,
         with_own: bool,
     ) -> f64 {
@@ -107,8 +166,8 @@ impl Hub {
                 self.axes[2].dot(y),
             )
         };
-        let r = x - hub_pose.frame.origin;
-        let (force, moment) = (local(n), local(&r.cross(n)));
+        let force = local(&wrench.force);
+        let moment = local(&wrench.moment_about(&hub_pose.frame.origin));
         let component = |d: usize| match d {
             0..3 => force[d],
             _ => hub_pose.rotations[d - 3].dot(&moment),

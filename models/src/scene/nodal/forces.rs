@@ -2,7 +2,9 @@
 
 use super::islands::{Nodal, NodalActive};
 use crate::Vec3;
-use crate::contact::nodal::{Block, GearNodes, NodalPoint, NodalPoints, UNUSED, weighted};
+use crate::contact::nodal::{
+    Block, GearNodes, LineMotion, LineSlope, NodalPoint, NodalPoints, UNUSED, weighted,
+};
 use crate::geometry::along_profile;
 use crate::kinematics::{HubPose, Row};
 use crate::scene::members::{SceneGear, SceneMesh};
@@ -66,7 +68,7 @@ impl Nodal {
             );
             a.direction = p.direction(of_master, p.gap0);
             a.tapered_gap = p.gap0;
-            a.of_line = self.of_line(p, mesh, |g, slots| {
+            a.of_line = self.of_line(p, mesh, [0.0; 2], |g, slots| {
                 GearNodes::at(&self.gears[g].displacement, slots)
             });
             (a.effective_radii, a.rate) = self.rate_along(gears, mesh, &a, at, &mut row);
@@ -115,8 +117,11 @@ impl Nodal {
         let (effective_radii, mut speed) = match a.of_line.filter(|_| of_nodes == 0) {
             Some(of_line) => {
                 row.clear();
+                let stand = self.hub_poses(mesh);
+                let (radii, drift) =
+                    line_rows(gears, mesh, (p, &self.found, &of_line), stand, at, row);
                 self.deformed_rows(p, gears, mesh, at, row);
-                (of_line, row.dot(at.v))
+                (radii, drift + row.dot(at.v))
             }
             None => {
                 let stand = self.hub_poses(mesh);
@@ -136,17 +141,18 @@ impl Nodal {
         (effective_radii, speed)
     }
 
-    /// Returns the slopes of the gap of a line by the displacements of the hubs, with the displacements of nodes of a
-    /// gear.
+    /// Returns the derivative of the gap of a line by the motion of the hubs, with the displacements of nodes of a gear and
+    /// further derivatives by the places on both flanks.
     fn of_line(
         &self,
         p: &NodalPoint,
         mesh: &SceneMesh,
+        by_place: [f64; 2],
         displacements: impl Fn(usize, &[u32; 4]) -> [f64; 4],
-    ) -> Option<[f64; 2]> {
-        let line = &self.found.lines[p.line? as usize];
-        let of = |k: usize| line.effective_radius(k, &displacements(mesh.gears[k], &p.slots[k]));
-        Some([of(0), of(1)])
+    ) -> Option<LineSlope> {
+        let line = p.line?;
+        let a = [0, 1].map(|k| displacements(mesh.gears[k], &p.slots[k]));
+        Some(self.found.line_slope(line, a, by_place))
     }
 
     /// Appends the slopes of the gap of a line by the node positions of gears with deformed lines.
@@ -211,7 +217,7 @@ impl Nodal {
                 let elastic = NodalActive {
                     direction: p.direction(of_master, gap),
                     tapered_gap: gap,
-                    of_line: self.of_line(p, mesh, under_elastic),
+                    of_line: self.of_line(p, mesh, [0.0; 2], under_elastic),
                     ..*a
                 };
                 power += force * self.rate_along(gears, mesh, &elastic, at, &mut row).1;
@@ -247,47 +253,64 @@ impl Nodal {
             if i == self.rows.len() {
                 self.rows.push(Default::default());
             }
-            let p = &self.found.points[self.active[i].point];
-            let mesh = &meshes[p.mesh as usize];
-            let of_line = self.of_line(p, mesh, |g, slots| self.gears[g].total(slots));
             let mut rows = std::mem::take(&mut self.rows[i]);
-            let [row, sliding] = &mut rows;
-            row.clear();
-            sliding.clear();
-            if self.active[i].force.n != 0.0 {
-                self.deformed_rows(p, gears, mesh, at, row);
-            }
-            self.rows[i] = rows;
-            let stand = mesh.gears.map(|g| self.hub_poses[g].as_ref());
-            let a = &mut self.active[i];
-            let [row, sliding] = &mut self.rows[i];
-            if a.force.n == 0.0 {
-                continue;
-            }
-            let [_, master] = p.sides();
-            let of_master = self.gears[mesh.gears[master]].total(&p.slots[master]);
-            a.direction = p.direction(of_master, a.gap);
-            a.tapered_gap = a.gap;
-            let along = (a.direction, a.tapered_gap);
-            a.of_line = of_line;
-            a.effective_radii = match (of_line, p.line) {
-                (Some(radii), Some(line)) => {
-                    // The energy changes with the place as well.
-                    let law = mesh.law.shared(p.share);
-                    let by_place = -law.d_potential_dk(a.elastic.0, p.stiffness) * p.stiffness;
-                    let ln_force = self.found.lines[line as usize].ln_force;
-                    [0, 1].map(|k| radii[k] + by_place * ln_force[k] / a.force.n)
+            rows.iter_mut().for_each(Row::clear);
+            let mut a = self.active[i];
+            if a.force.n != 0.0 {
+                self.turn(&mut a, gears, meshes, at, &mut rows);
+                let of_mesh = meshes[self.found.points[a.point].mesh as usize].gears;
+                for (k, g) in of_mesh.into_iter().enumerate() {
+                    self.torque[g] += a.effective_radii[k] * a.force.n
+                        + a.sliding.effective_radii[k] * a.sliding.force.f;
                 }
-                _ => rows_of(gears, mesh, p, along, (&self.found, stand), at, row).0,
-            };
-            if mesh.friction.is_some() {
-                let along = (a.sliding.direction, 0.0);
-                rows_of(gears, mesh, p, along, (&self.found, stand), at, sliding);
             }
-            for k in 0..2 {
-                self.torque[mesh.gears[k]] += a.effective_radii[k] * a.force.n
-                    + a.sliding.effective_radii[k] * a.sliding.force.f;
+            self.active[i] = a;
+            self.rows[i] = rows;
+        }
+    }
+
+    /// Computes direction, effective base radii and rows of a point under its force.
+    fn turn(
+        &self,
+        a: &mut NodalActive,
+        gears: &[SceneGear],
+        meshes: &[SceneMesh],
+        at: StateView<'_>,
+        [row, sliding]: &mut [Row; 2],
+    ) {
+        let p = &self.found.points[a.point];
+        let mesh = &meshes[p.mesh as usize];
+        let poses = self.hub_poses(mesh);
+        let [_, master] = p.sides();
+        let of_master = self.gears[mesh.gears[master]].total(&p.slots[master]);
+        a.direction = p.direction(of_master, a.gap);
+        a.tapered_gap = a.gap;
+        if let Some(line) = p.line {
+            // The energy changes with the places as well.
+            let law = mesh.law.shared(p.share);
+            let by_force = -law.d_potential_dk(a.elastic.0, p.stiffness) * p.stiffness;
+            let ln_force = self.found.lines[line as usize].ln_force;
+            let by_place = ln_force.map(|ln_force| by_force * ln_force / a.force.n);
+            a.of_line = self.of_line(p, mesh, by_place, |g, slots| self.gears[g].total(slots));
+        }
+        a.effective_radii = match &a.of_line {
+            Some(of_line) => {
+                if let LineSlope::Relative(wrench) = of_line {
+                    a.direction = wrench.force;
+                }
+                let found = (p, &self.found, of_line);
+                let (radii, _) = line_rows(gears, mesh, found, poses, at, row);
+                self.deformed_rows(p, gears, mesh, at, row);
+                radii
             }
+            None => {
+                let along = (a.direction, a.tapered_gap);
+                rows_of(gears, mesh, p, along, (&self.found, poses), at, row).0
+            }
+        };
+        if mesh.friction.is_some() {
+            let along = (a.sliding.direction, 0.0);
+            rows_of(gears, mesh, p, along, (&self.found, poses), at, sliding);
         }
     }
 
@@ -312,6 +335,39 @@ impl Nodal {
             }
         }
     }
+}
+
+/// Returns the effective radii of the hubs of a line for its derivative by their motion. It writes to `row` the entries of the
+/// other directions of the hubs, and returns the prescribed part of the speed.
+pub(in crate::scene) fn line_rows(
+    gears: &[SceneGear],
+    mesh: &SceneMesh,
+    (p, found, slope): (&NodalPoint, &NodalPoints, &LineSlope),
+    hub_poses: [Option<&HubPose>; 2],
+    at: StateView<'_>,
+    row: &mut Row,
+) -> ([f64; 2], f64) {
+    let motion = p.line.map(|line| found.lines[line as usize].motion);
+    let (wrench, motion) = match (slope, motion) {
+        (LineSlope::OwnDirections(radii), _) => return (*radii, 0.0),
+        (LineSlope::Relative(wrench), Some(LineMotion::Relative(motion))) => {
+            (wrench, &found.motions[motion as usize])
+        }
+        (LineSlope::Relative(_), _) => unreachable!("a derivative is that of its line"),
+    };
+    let mut drift = 0.0;
+    let radii = [(0, -1.0), (1, 1.0)].map(|(k, sign)| {
+        let g = &gears[mesh.gears[k]];
+        let mut own = motion.of_nodes[k];
+        own.add(sign, wrench);
+        let hub = &g.model.hub().hub;
+        if let Some(hub_pose) = hub_poses[k] {
+            row.target(g.offset, 1.0);
+            drift += hub.wrench_row_on(at.t, hub_pose, &own, row, false);
+        }
+        hub.own_component(hub_poses[k], &own)
+    });
+    (radii, drift)
 }
 
 /// Returns the effective radii of hubs of gears with a field for a direction of motion of the slave relative to the

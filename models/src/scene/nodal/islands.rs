@@ -2,8 +2,8 @@
 
 use crate::Vec3;
 use crate::contact::nodal::{
-    Block, DissipativeSolve, GearNodes, HardSolve, LineTerms, NodalPoint, NodalPoints, NodalSolve,
-    Share, Spring,
+    Block, DissipativeSolve, GearNodes, HardSolve, LineSlope, LineTerms, NodalPoint, NodalPoints,
+    NodalSolve, Share, Spring,
 };
 use crate::gear::HubBody;
 use crate::kinematics::{HubPose, Row};
@@ -20,9 +20,9 @@ pub(in crate::scene) struct NodalActive {
     pub direction: Vec3,
     /// Gap for which the direction was computed [m].
     pub tapered_gap: f64,
-    /// Slopes of the gap of a [line](crate::contact::nodal::LineTerms) by the displacements of the hubs, which do not
+    /// Derivative of the gap of a [line](crate::contact::nodal::LineTerms) by the motion of the hubs, which does not
     /// follow from its direction.
-    pub of_line: Option<[f64; 2]>,
+    pub of_line: Option<LineSlope>,
     /// Derivative `dg/dtheta` for the hubs of gears that are rigid except for a field, free or not.
     pub effective_radii: [f64; 2],
     /// Gap with residual compliance [m].

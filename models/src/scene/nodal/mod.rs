@@ -18,6 +18,6 @@ mod islands;
 mod solve;
 mod tangent;
 
-pub(super) use forces::rows_of;
+pub(super) use forces::{line_rows, rows_of};
 pub(super) use islands::{Nodal, NodalActive, islands};
 pub(super) use tangent::{Entry, ReducedTangent};

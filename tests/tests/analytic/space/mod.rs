@@ -5,6 +5,7 @@ mod bodies;
 mod conical;
 mod elastic;
 mod flanks;
+mod half_space;
 mod invariance;
 mod misaligned;
 mod without_candidates;

@@ -127,7 +127,7 @@ fn compared(modified: bool, tilt: f64) -> ([f64; 3], usize, f64) {
                     let plain = bisected(&section, reach, false);
                     let before = spatial.evaluated();
                     let nearest = spatial.nearest(&section, 0, &pose, 0.012);
-                    let touch = spatial.touch(&section, nearest, &pose, true);
+                    let touch = spatial.touch(&section, nearest, &pose, PointDerivatives::Path);
                     let taken = spatial.evaluated() - before;
                     let distance = plain.near.distance;
                     if distance > spatial.far {
