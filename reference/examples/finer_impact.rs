@@ -8,7 +8,8 @@
 
 use gearbench_models::geometry::{Gear, GearParams};
 use gearbench_reference::deck::{self, ImpactGear};
-use gearbench_reference::mesh::{self, ElementKind, FineTeeth, Focus, GearMeshParams, Tooth};
+use gearbench_reference::gear_mesh::{self, FineTeeth, Focus, GearMeshParams, Tooth};
+use gearbench_reference::mesh::ElementKind;
 use gearbench_reference::reference;
 use gearbench_reference::stored::ImpactParameters;
 use std::io::{BufWriter, Write};
@@ -65,7 +66,7 @@ fn meshed(
     i: usize,
     roll: f64,
     flank: usize,
-) -> Result<mesh::GearMesh, Box<dyn std::error::Error>> {
+) -> Result<gear_mesh::GearMesh, Box<dyn std::error::Error>> {
     let gear = Gear::new(GearParams {
         teeth: p.gears[i].teeth,
         module: p.module,
@@ -107,5 +108,5 @@ fn meshed(
         }),
         ..Default::default()
     };
-    Ok(mesh::gear(&gear, &params)?)
+    Ok(gear_mesh::gear(&gear, &params)?)
 }

@@ -9,7 +9,8 @@
 use super::data::{Deck, ElementBlock};
 use super::error::{DeckErrorKind, Place};
 use super::gears::{BodyShape, DeckGear, bodies_of, bore_axis, flank_name, gears, is_bore_name};
-use crate::mesh::{Shape, flank_set};
+use crate::gear_mesh::flank_set;
+use crate::mesh::Shape;
 use gearbench_models::geometry::Side;
 use std::fmt;
 

@@ -3,7 +3,7 @@
 //! | part | owns |
 //! |---|---|
 //! | [`read`], [`read_str`] | a deck as it stands: [`Deck`]; what is not known is declined with its line |
-//! | [`gears`] | its toothed bodies as [`GearMesh`](crate::mesh::GearMesh), each in its own frame |
+//! | [`gears`] | its toothed bodies as [`GearMesh`](crate::gear_mesh::GearMesh), each in its own frame |
 //! | [`check_gtm`] | what a deck lacks for the preprocessing of elastic gears |
 //! | [`write`](write()), [`write_impact`] | a gear for CalculiX, Abaqus or Ansys, or two in contact for CalculiX |
 //!

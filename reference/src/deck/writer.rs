@@ -15,7 +15,8 @@ pub use impact::{Hub, Impact, ImpactGear, write_impact};
 pub use modal::{ModalProgram, ModalRun};
 
 use super::gears::surface_faces;
-use crate::mesh::{Face, GearMesh, letter};
+use crate::gear_mesh::{GearMesh, letter};
+use crate::mesh::Face;
 use gearbench_models::Vec3;
 use gearbench_models::stiffness::Material;
 use std::io::{self, Write};

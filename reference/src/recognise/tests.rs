@@ -3,7 +3,8 @@
 
 use super::*;
 use crate::deck;
-use crate::mesh::{self, ElementKind, GearMesh, GearMeshParams, Mesh, Tooth};
+use crate::gear_mesh::{self, GearMesh, GearMeshParams, Tooth};
+use crate::mesh::{self, ElementKind, Mesh};
 use crate::test_support::{calculix, noise};
 use gearbench_models::geometry::Gear;
 use nalgebra::Rotation3;
@@ -67,7 +68,7 @@ pub(crate) fn plain(kind: ElementKind) -> GearMeshParams {
 }
 
 fn generated(g: &Gear, kind: ElementKind) -> GearMesh {
-    mesh::gear(g, &plain(kind)).unwrap()
+    gear_mesh::gear(g, &plain(kind)).unwrap()
 }
 
 #[test]
@@ -225,7 +226,7 @@ fn other_bodies_are_refused() {
             .unwrap_err()
             .to_string()
     };
-    let cube = crate::test_support::brick(ElementKind::C3D8, [3, 4, 5], [1.0, 2.0, 3.0]);
+    let cube = crate::mesh::brick(ElementKind::C3D8, [3, 4, 5], [1.0, 2.0, 3.0]);
     assert!(
         of(&cube).contains("outermost") || of(&cube).contains("bore"),
         "{}",

@@ -2,7 +2,7 @@
 
 use clap::{Arg, Args};
 use gearbench_reference::deck::{ModalProgram, Units};
-use gearbench_reference::mesh::GearMeshParams;
+use gearbench_reference::gear_mesh::GearMeshParams;
 use std::path::PathBuf;
 
 const EXAMPLES: &str = "\

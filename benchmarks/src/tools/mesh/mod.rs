@@ -11,10 +11,11 @@ use arguments::Mesh as Arguments;
 use gearbench_models::spec::Body;
 use gearbench_models::stiffness::Material;
 use gearbench_reference::deck::{self, GearDeck, ModalProgram, ModalRun};
-use gearbench_reference::mesh::vtu::{self, Field, Values};
-use gearbench_reference::mesh::{
-    self, ElementKind, FineTeeth, GearMesh, GearMeshParams, MeshError, Tooth,
+use gearbench_reference::gear_mesh::{
+    self, FineTeeth, GearMesh, GearMeshParams, MeshError, Tooth, membership,
 };
+use gearbench_reference::mesh::vtu::{self, Field, Values};
+use gearbench_reference::mesh::{self, ElementKind};
 use serde_json::{Value, json};
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
@@ -241,7 +242,7 @@ fn from_scene(context: &Context, args: &Arguments) -> Result<Vec<GearWithMesh>, 
         .map(|g| {
             let start = Instant::now();
             let made = match &g.body {
-                Body::Gear(gear) => mesh::gear(gear, &params),
+                Body::Gear(gear) => gear_mesh::gear(gear, &params),
                 Body::Rack(_) if args.sector => {
                     return Err(Refusal::Input(miette::miette!(
                         help = "remove --sector, or choose a gear with --gear NAME",
@@ -249,7 +250,7 @@ fn from_scene(context: &Context, args: &Arguments) -> Result<Vec<GearWithMesh>, 
                         g.name
                     )));
                 }
-                Body::Rack(rack) => mesh::rack(rack, &params),
+                Body::Rack(rack) => gear_mesh::rack(rack, &params),
             };
             let mesh = made.map_err(|e| refuse(&g.name, &e))?;
             Ok(GearWithMesh {
@@ -383,7 +384,7 @@ fn write_vtu(out: &mut dyn Write, g: &GearMesh) -> Result<(), String> {
     let (jacobian, aspect): (Vec<f64>, Vec<f64>) = mesh::element_qualities(&g.mesh)
         .map(|q| (q.scaled_jacobian, q.aspect_ratio))
         .unzip();
-    let sets = vtu::membership(&g.mesh);
+    let sets = membership(&g.mesh);
     let at_nodes: Vec<Field<'_>> = sets
         .iter()
         .map(|(name, v)| Field {

@@ -2,7 +2,8 @@
 
 use super::super::{GearDeck, ModalProgram, ModalRun, gears, read_bytes, write};
 use crate::deck::{Deck, DeckError};
-use crate::mesh::{ElementKind, GearMesh, gear};
+use crate::gear_mesh::{GearMesh, gear};
+use crate::mesh::ElementKind;
 use crate::test_support::{self, layered};
 use gearbench_models::stiffness::Material;
 

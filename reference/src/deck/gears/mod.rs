@@ -24,7 +24,8 @@ mod spur;
 
 use super::data::Deck;
 use super::error::{DeckError, DeckErrorKind};
-use crate::mesh::{Face, GearMesh, Mesh};
+use crate::gear_mesh::GearMesh;
+use crate::mesh::{Face, Mesh};
 use crate::recognise::{RecognisedBody, SpecifiedBody, across};
 use crate::vector::{snapped, turned};
 use gearbench_models::Vec3;

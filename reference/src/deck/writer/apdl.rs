@@ -11,7 +11,8 @@
 //! | C3D10 | SOLID187 | - |
 
 use super::{ModalRun, WriteError, number};
-use crate::mesh::{ElementKind, GearMesh, letter};
+use crate::gear_mesh::{GearMesh, letter};
+use crate::mesh::ElementKind;
 use gearbench_models::stiffness::Material;
 use std::io::{self, Write};
 

@@ -4,7 +4,8 @@ use super::{Hub, Impact, ImpactGear};
 use crate::deck::data::{ContactKind, Deck, Procedure, Target};
 use crate::deck::error::{DeckError, DeckErrorKind};
 use crate::deck::gears::DeckGear;
-use crate::mesh::{Face, flank_set};
+use crate::gear_mesh::flank_set;
+use crate::mesh::Face;
 use gearbench_models::Vec3;
 use gearbench_models::geometry::Side;
 

@@ -2,7 +2,7 @@
 
 use super::{NumberedGear, WriteError, heading, materials, number};
 use crate::deck::gears::{BodyShape, DeckGear, placed};
-use crate::mesh::{GearMesh, letter};
+use crate::gear_mesh::{GearMesh, letter};
 use crate::recognise::across;
 use gearbench_models::Vec3;
 use gearbench_models::geometry::Side;

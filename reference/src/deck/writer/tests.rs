@@ -224,7 +224,8 @@ fn numbers_fit_into_twenty_characters() {
 /// preprocessing.
 #[test]
 fn generated_meshes_come_back_bit_for_bit() {
-    use crate::mesh::{ElementKind, GearMeshParams, gear, rack};
+    use crate::gear_mesh::{GearMeshParams, gear, rack};
+    use crate::mesh::ElementKind;
     let mut meshes = Vec::new();
     for (teeth, helix, kind) in [
         (17, 0.0, ElementKind::C3D8I),

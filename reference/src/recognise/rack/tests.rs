@@ -2,10 +2,11 @@
 
 use super::*;
 use crate::deck::{self, BodyShape};
-use crate::mesh::{self, ElementKind, Mesh};
+use crate::gear_mesh;
+use crate::mesh::{self, ElementKind, Mesh, brick};
 use crate::recognise::tests::{plain, strange};
 use crate::recognise::{Misfit, RecognisedBody, Skin, SpecifiedBody, body};
-use crate::test_support::{bare, brick, calculix, rack};
+use crate::test_support::{bare, calculix, rack};
 use gearbench_models::geometry::Rack;
 use gearbench_models::stiffness::Material;
 use nalgebra::Rotation3;
@@ -50,7 +51,7 @@ fn generated_racks_are_found_again() {
                     p.thinning = thinning;
                     p.face_width = 12e-3;
                 });
-                let own = mesh::rack(&r, &plain(ElementKind::C3D8)).unwrap();
+                let own = gear_mesh::rack(&r, &plain(ElementKind::C3D8)).unwrap();
                 let turn = Vec3::new(0.3 + f64::from(teeth), -0.7, 0.1 * helix);
                 let shift = Vec3::new(0.1, -0.05, 0.02);
                 let mesh = strange(&own.mesh, turn, shift);
@@ -140,7 +141,7 @@ fn the_stored_rack_is_found_without_its_sets() {
 fn tetrahedra_are_found_with_grids_on_their_flanks() {
     for helix in [0.0, 0.3] {
         let r = rack(4, 3e-3, |p| p.helix_angle = helix);
-        let own = mesh::rack(&r, &plain(ElementKind::C3D20)).unwrap();
+        let own = gear_mesh::rack(&r, &plain(ElementKind::C3D20)).unwrap();
         let mesh = strange(
             &mesh::tetrahedra(&own.mesh).unwrap(),
             Vec3::new(0.4, 1.9, 0.2),
@@ -179,7 +180,7 @@ fn tetrahedra_are_found_with_grids_on_their_flanks() {
 #[test]
 fn points_stand_off_their_planes_as_told() {
     let r = rack(3, 2e-3, |p| p.helix_angle = 0.2);
-    let own = mesh::rack(&r, &plain(ElementKind::C3D8)).unwrap();
+    let own = gear_mesh::rack(&r, &plain(ElementKind::C3D8)).unwrap();
     let found = found(&own.mesh);
     for side in Side::BOTH {
         for tooth in 0..3 {
@@ -194,7 +195,7 @@ fn points_stand_off_their_planes_as_told() {
 #[test]
 fn rounded_racks_and_other_bodies() {
     let r = rack(6, 4e-3, |_| {});
-    let mut own = mesh::rack(&r, &plain(ElementKind::C3D8)).unwrap().mesh;
+    let mut own = gear_mesh::rack(&r, &plain(ElementKind::C3D8)).unwrap().mesh;
     for x in &mut own.nodes {
         *x = x.map(|x| (x * 1e6).round() / 1e6);
     }
@@ -213,7 +214,7 @@ fn rounded_racks_and_other_bodies() {
 #[test]
 fn what_is_said_of_a_rack_has_to_agree() {
     let r = rack(5, 3e-3, |_| {});
-    let own = mesh::rack(&r, &plain(ElementKind::C3D8)).unwrap().mesh;
+    let own = gear_mesh::rack(&r, &plain(ElementKind::C3D8)).unwrap().mesh;
     let skin = Skin::of(&own.nodes, &own.blocks);
     let with = |axis: [f64; 3], point: Option<[f64; 3]>| {
         let known = SpecifiedBody {
