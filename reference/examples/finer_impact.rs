@@ -7,7 +7,8 @@
 //! on the result.
 
 use gearbench_models::geometry::{Gear, GearParams};
-use gearbench_reference::deck::{self, ImpactGear};
+use gearbench_reference::deck;
+use gearbench_reference::gear_deck::{self, ImpactGear};
 use gearbench_reference::gear_mesh::{self, FineTeeth, Focus, GearMeshParams, Tooth};
 use gearbench_reference::mesh::ElementKind;
 use gearbench_reference::reference;
@@ -32,8 +33,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     };
     let stored = reference("calculix/case-a-fine")?;
     let read = deck::read_bytes("calculix/case-a-fine", stored.deck)?;
-    let gears = deck::gears(&read)?;
-    let mut impact = deck::Impact::of(&read, &gears)?;
+    let gears = gear_deck::gears(&read)?;
+    let mut impact = gear_deck::Impact::of(&read, &gears)?;
     let p = &stored.parameters;
     let length =
         p.gears.iter().map(|g| g.base_radius).sum::<f64>() * p.working_pressure_angle.tan();
@@ -55,7 +56,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     // 18 us after the gears have parted.
     impact.end = 1.2e-4;
     let mut file = BufWriter::new(std::fs::File::create(out)?);
-    deck::write_impact(&mut file, &impact)?;
+    gear_deck::write_impact(&mut file, &impact)?;
     file.flush()?;
     Ok(())
 }

@@ -16,7 +16,7 @@
 use gearbench_models::Vec3;
 use gearbench_models::geometry::{Gear, GearParams, Side};
 use gearbench_models::stiffness::Material;
-use gearbench_reference::deck::{self, BodyShape, Hub, Impact, ImpactGear};
+use gearbench_reference::gear_deck::{self, BodyShape, Hub, Impact, ImpactGear};
 use gearbench_reference::gear_mesh::{self, FineTeeth, GearMeshParams, Tooth};
 use gearbench_reference::mesh::ElementKind;
 use std::f64::consts::PI;
@@ -92,7 +92,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         alpha: -0.05,
     };
     let mut file = BufWriter::new(std::fs::File::create(out)?);
-    deck::write_impact(&mut file, &impact)?;
+    gear_deck::write_impact(&mut file, &impact)?;
     file.flush()?;
     Ok(())
 }

@@ -28,23 +28,22 @@ pub(crate) fn parsed(name: &str, text: &str) -> Deck {
 /// A deck without sets.
 pub(crate) fn bare(mesh: &Mesh) -> Deck {
     let kind = mesh.kind().unwrap();
-    Deck {
-        name: "bare.inp".to_owned(),
-        nodes: mesh.nodes.clone(),
-        node_labels: (1..=mesh.nodes.len() as u32).map(Into::into).collect(),
-        blocks: vec![ElementBlock {
-            kind,
-            set: None,
-            first: 0,
-            connectivity: mesh.connectivity().collect(),
-            place: Place {
-                file: "bare.inp".into(),
-                line: 1,
-            },
-        }],
-        element_labels: (1..=mesh.element_count() as u32).map(Into::into).collect(),
-        ..Deck::default()
-    }
+    let mut deck = Deck::default();
+    deck.name = "bare.inp".to_owned();
+    deck.nodes.clone_from(&mesh.nodes);
+    deck.node_labels = (1..=mesh.nodes.len() as u32).map(Into::into).collect();
+    deck.blocks.push(ElementBlock {
+        kind,
+        set: None,
+        first: 0,
+        connectivity: mesh.connectivity().collect(),
+        place: Place {
+            file: "bare.inp".into(),
+            line: 1,
+        },
+    });
+    deck.element_labels = (1..=mesh.element_count() as u32).map(Into::into).collect();
+    deck
 }
 
 /// A gear of the default toothing, changed where a test needs it.

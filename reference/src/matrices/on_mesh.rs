@@ -16,7 +16,8 @@
 use super::error::{MatrixError, MatrixErrorKind, refused};
 use super::{Coordinate, Shapes, SymmetricEntries, SystemMatrices};
 use crate::assembly::{Assembly, BlockMatrix, Pattern, ScalarMatrix};
-use crate::deck::{Deck, DeckGear, Units};
+use crate::deck::{Deck, Units};
+use crate::gear_deck::DeckGear;
 use crate::gear_mesh::GearMesh;
 use crate::hash::Hash;
 use crate::mesh::quality;

@@ -1,9 +1,8 @@
 //! Parameters of meshes, and agreement of files with scenes.
 
 use super::{MeshParameters, Reader, Source, Stored};
-use crate::gear_mesh;
 use crate::mesh::Mesh;
-use crate::{deck, test_support};
+use crate::{deck, gear_deck, gear_mesh, test_support};
 use gearbench_models::Vec3;
 use gearbench_models::gear::rigid;
 use gearbench_models::geometry::{GearParams, Side};
@@ -246,7 +245,7 @@ fn flanks_that_cannot_touch_are_refused() {
     }
     let given = deck_of(&mesh.mesh);
     let read_again = deck::read(given.mesh.as_deref().unwrap()).unwrap();
-    let found = deck::gears_with(&read_again, Some(Material::STEEL)).unwrap();
+    let found = gear_deck::gears_with(&read_again, Some(Material::STEEL)).unwrap();
     let [why] = &found[0].missing[..] else {
         panic!("{:?}", found[0].missing)
     };

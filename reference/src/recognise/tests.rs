@@ -3,6 +3,7 @@
 
 use super::*;
 use crate::deck;
+use crate::gear_deck;
 use crate::gear_mesh::{self, GearMesh, GearMeshParams, Tooth};
 use crate::mesh::{self, ElementKind, Mesh};
 use crate::test_support::{calculix, noise};
@@ -132,8 +133,10 @@ fn calculix_gears_are_found_without_their_sets() {
         let path = format!("{}/calculix/{case}/params.json", env!("CARGO_MANIFEST_DIR"));
         let p: serde_json::Value =
             serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap();
-        let gears = deck::gears(&calculix(&format!("{case}/{name}.inp.gz"))).unwrap();
-        let toothed = gears.iter().filter(|g| g.shape == deck::BodyShape::Gear);
+        let gears = gear_deck::gears(&calculix(&format!("{case}/{name}.inp.gz"))).unwrap();
+        let toothed = gears
+            .iter()
+            .filter(|g| g.shape == gear_deck::BodyShape::Gear);
         for (i, g) in toothed.enumerate() {
             let expected = &p[format!("gear{}", i + 1)];
             let number = |key: &str| expected[key].as_f64().unwrap();
@@ -333,7 +336,8 @@ fn gmsh_gears_are_found() {
         let path = format!("{}/gmsh/spur_z{teeth}.msh.gz", env!("CARGO_MANIFEST_DIR"));
         let read = deck::read(path).unwrap();
         let gears =
-            deck::gears_with(&read, Some(gearbench_models::stiffness::Material::STEEL)).unwrap();
+            gear_deck::gears_with(&read, Some(gearbench_models::stiffness::Material::STEEL))
+                .unwrap();
         let [gear] = &gears[..] else {
             panic!("{} bodies", gears.len())
         };

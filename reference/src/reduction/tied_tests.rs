@@ -1,6 +1,6 @@
 //! Flanks whose nodes no set names, and those that are no grid: modes and compliance of the same body.
 
-use crate::deck;
+use crate::gear_deck;
 use crate::gear_mesh::{self, GearMesh};
 use crate::mesh::{self, ElementKind, Mesh};
 use crate::recognise::tests::strange;
@@ -12,7 +12,7 @@ use gearbench_models::geometry::FlankGrid;
 use gearbench_models::stiffness::Material;
 
 fn found(mesh: &Mesh) -> GearMesh {
-    let mut gears = deck::gears_with(&bare(mesh), Some(Material::STEEL)).unwrap();
+    let mut gears = gear_deck::gears_with(&bare(mesh), Some(Material::STEEL)).unwrap();
     gears.swap_remove(0).mesh
 }
 

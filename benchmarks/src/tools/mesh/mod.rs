@@ -10,7 +10,8 @@ use crate::scene_file;
 use arguments::Mesh as Arguments;
 use gearbench_models::spec::Body;
 use gearbench_models::stiffness::Material;
-use gearbench_reference::deck::{self, GearDeck, ModalProgram, ModalRun};
+use gearbench_reference::deck;
+use gearbench_reference::gear_deck::{self, GearDeck, ModalProgram, ModalRun};
 use gearbench_reference::gear_mesh::{
     self, FineTeeth, GearMesh, GearMeshParams, MeshError, Tooth, membership,
 };
@@ -211,7 +212,7 @@ fn from_deck(context: &Context, args: &Arguments) -> Result<Vec<GearWithMesh>, R
     deck.told()
         .iter()
         .for_each(|line| context.messages.print_line(line));
-    let gears = deck::gears(&deck).map_err(refuse)?;
+    let gears = gear_deck::gears(&deck).map_err(refuse)?;
     let seconds = start.elapsed().as_secs_f64() / gears.len().max(1) as f64;
     let gears = chosen(gears, args.gear.as_deref(), &args.input, |g| g.name.clone())?;
     Ok(gears
@@ -366,7 +367,7 @@ fn job_name(path: &Path) -> String {
 }
 
 fn write_deck(out: &mut dyn Write, g: &GearWithMesh, options: &GearDeck) -> Result<(), String> {
-    deck::write(out, &g.mesh, &g.material, options).map_err(|e| e.to_string())?;
+    gear_deck::write(out, &g.mesh, &g.material, options).map_err(|e| e.to_string())?;
     for name in ["cut_low", "cut_high"] {
         let Some(nodes) = g.mesh.mesh.node_sets.get(name) else {
             continue;

@@ -6,7 +6,8 @@ mod refusals;
 
 use super::*;
 use crate::assembly::{Assembly, assemble};
-use crate::deck::{self, Deck, DeckGear};
+use crate::deck::Deck;
+use crate::gear_deck::{self, DeckGear};
 use crate::gear_mesh::{self, GearMesh};
 use crate::reduction::{Basis, ModeSelection, Mounting, Request};
 use crate::test_support::{bare, coarse, stub};
@@ -26,7 +27,7 @@ struct Body {
 
 impl Body {
     fn of(deck: Deck) -> Self {
-        let mut gears = deck::gears_with(&deck, Some(STEEL)).unwrap();
+        let mut gears = gear_deck::gears_with(&deck, Some(STEEL)).unwrap();
         let gear = gears.swap_remove(0);
         // In the axes of the deck.
         let assembly = assemble(&deck.mesh(), &STEEL).unwrap();

@@ -1,7 +1,7 @@
 //! Recognition of racks from their surface: generated ones and the stored one, rotated, moved and shuffled.
 
 use super::*;
-use crate::deck::{self, BodyShape};
+use crate::gear_deck::{self, BodyShape};
 use crate::gear_mesh;
 use crate::mesh::{self, ElementKind, Mesh, brick};
 use crate::recognise::tests::{plain, strange};
@@ -91,7 +91,7 @@ fn generated_racks_are_found_again() {
 #[test]
 fn the_stored_rack_is_found_without_its_sets() {
     let whole = calculix("rack-pinion/R8b_d05.inp.gz");
-    let named = deck::gears(&whole).unwrap().swap_remove(1);
+    let named = gear_deck::gears(&whole).unwrap().swap_remove(1);
     let mut without = whole;
     without
         .node_sets
@@ -100,7 +100,7 @@ fn the_stored_rack_is_found_without_its_sets() {
     without.rigid_bodies.clear();
     without.boundaries.clear();
     let bodies =
-        deck::gears_known(&without, Some(Material::STEEL), &SpecifiedBody::default()).unwrap();
+        gear_deck::gears_known(&without, Some(Material::STEEL), &SpecifiedBody::default()).unwrap();
     let mut racks = bodies.into_iter().filter_map(Result::ok);
     let again = racks
         .rfind(|g| matches!(g.shape, BodyShape::Rack { .. }))
@@ -147,7 +147,7 @@ fn tetrahedra_are_found_with_grids_on_their_flanks() {
             Vec3::new(0.4, 1.9, 0.2),
             Vec3::x(),
         );
-        let gear = deck::gears_with(&bare(&mesh), Some(Material::STEEL))
+        let gear = gear_deck::gears_with(&bare(&mesh), Some(Material::STEEL))
             .unwrap()
             .swap_remove(0);
         let found = gear.found.as_ref().and_then(RecognisedBody::rack).unwrap();

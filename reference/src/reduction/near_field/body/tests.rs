@@ -3,7 +3,7 @@
 
 use super::super::of_lattices;
 use super::*;
-use crate::deck;
+use crate::gear_deck;
 use crate::gear_mesh::{self, GearMeshParams, Tooth};
 use crate::mesh::ElementKind;
 use crate::reduction::{Basis, ModeSelection, Mounting, Request};
@@ -131,7 +131,7 @@ fn the_support_behind_half_spaces_does_not_depend_on_the_elements() {
     let truth = of_sector(ElementKind::C3D8I, 24);
     let cut = gear_mesh::gear(&gear, &params(ElementKind::C3D20, 3)).unwrap();
     let bare = bare(&mesh::tetrahedra(&cut.mesh).unwrap());
-    let mut found = deck::gears_with(&bare, Some(Material::STEEL)).unwrap();
+    let mut found = gear_deck::gears_with(&bare, Some(Material::STEEL)).unwrap();
     let tetrahedra = found.swap_remove(0).mesh;
     assert!(!tetrahedra.tied.is_empty());
     for (name, most, found) in [
