@@ -145,6 +145,7 @@ impl Gear {
     /// Returns the angle (rad) by which the helix rotates the section at a height (m). A tilted rack crosses the
     /// transverse plane with its centreline at `z tan(beta)/cos(theta)` along its rolling motion and `z tan(theta)`
     /// further out, where it is sheared by `tan(beta) sin(theta)`.
+    #[inline]
     pub fn twist_at(&self, height: f64) -> f64 {
         let p = self.params();
         height * (p.helix_angle.tan() * p.profile_shift_angle.cos()) / self.r_reference()
@@ -152,6 +153,7 @@ impl Gear {
 
     /// Returns the angle (rad) between the rotated centreline of a section, [`Gear::twist_at`], and the exact flank of
     /// a side at a radius (m) not below the base circle of that side.
+    #[inline]
     pub fn half_angle_of_section(&self, side: Side, radius: f64, height: f64) -> f64 {
         let flank = self.flank(side);
         let base = flank.base_radius;
@@ -220,21 +222,25 @@ impl Gear {
     /// Returns true for a conical gear (beveloid), whose profile shift or tip radius varies along the axis. Its radii,
     /// thicknesses and angles without a height or side are those of the cylindrical gear with the profile shift of its
     /// middle section.
+    #[inline]
     pub fn is_conical(&self) -> bool {
         self.params().profile_shift_angle != 0.0 || self.params().tip_cone_angle != 0.0
     }
 
     /// Returns a flank of a tooth at the angle zero.
+    #[inline]
     pub fn flank(&self, side: Side) -> &InvoluteHelicoid {
         &self.flanks[usize::from(side == Side::Right)]
     }
 
     /// Returns the tip radius (m) at a height over the middle of the face width (m).
+    #[inline]
     pub fn r_tip_at(&self, height: f64) -> f64 {
         self.r_tip() + height * self.params().tip_cone_angle.tan()
     }
 
     /// Returns the length of roll (m) of a flank at the tip, at a height over the middle of the face width (m).
+    #[inline]
     pub fn roll_length_tip_at(&self, side: Side, height: f64) -> f64 {
         if !self.is_conical() {
             return self.roll_length_tip();

@@ -83,6 +83,7 @@ use crate::Vec3;
 
 /// Returns the direction along the profile of a flank from its normal: the transverse part, rotated by 90 degrees
 /// counter-clockwise.
+#[inline]
 pub fn along_profile(n: &Vec3) -> Vec3 {
     let t = Vec3::new(-n.y, n.x, 0.0);
     t / t.norm()

@@ -214,6 +214,7 @@ impl Law {
     }
 
     /// Returns true if the law depends on the speed stored at first contact.
+    #[inline]
     pub fn needs_impact_speed(&self) -> bool {
         match self.user_law() {
             Some(own) => own.uses_impact_speed(),
@@ -222,6 +223,7 @@ impl Law {
     }
 
     /// Returns the reference speed of vibration under the load of the mesh (m/s); 0 without a load.
+    #[inline]
     pub fn load_speed(&self) -> f64 {
         self.load_speed
     }
@@ -248,6 +250,7 @@ impl Law {
     }
 
     /// Returns true if a cycle of closing and opening dissipates energy.
+    #[inline]
     pub fn is_dissipative(&self) -> bool {
         self.chi > 0.0 || self.c > 0.0 || self.user_law().is_some_and(|own| !own.is_elastic())
     }
@@ -323,11 +326,13 @@ impl Law {
     }
 
     /// Returns true if the force is piecewise linear in gap and gap rate.
+    #[inline]
     pub fn is_piecewise_linear(&self) -> bool {
         self.is_linear_elastic() && self.chi == 0.0 && !self.is_bounded()
     }
 
     /// Returns true if the elastic force is linear in the gap.
+    #[inline]
     pub fn is_linear_elastic(&self) -> bool {
         self.power == Power::One
     }
