@@ -11,7 +11,8 @@ use gearbench_models::geometry::{Gear, GearParams};
 use gearbench_models::stiffness::Material;
 use gearbench_reference::assembly::assemble;
 use gearbench_reference::assembly::tie::{MassKind, Tie};
-use gearbench_reference::mesh::{ElementKind, GearMeshParams, Tooth, gear, sector};
+use gearbench_reference::gear_mesh::{GearMeshParams, Tooth, gear, sector};
+use gearbench_reference::mesh::ElementKind;
 use gearbench_reference::modes::cyclic::{self, Hub};
 use gearbench_reference::modes::{Options, Report, lowest};
 use std::time::Instant;
@@ -102,7 +103,7 @@ fn main() {
         for _ in 0..if fineness > 3 { 1 } else { 3 } {
             let (start, processor) = (Instant::now(), processor_s());
             let modes = cyclic::lowest(
-                &section,
+                &section.as_sector(),
                 &Material::STEEL,
                 &Hub::fixed(),
                 MODES,

@@ -14,7 +14,7 @@ use gearbench_models::stiffness::Material;
 use gearbench_reference::assembly::tie::{HubMotion, MassKind, Reduced, Tie};
 use gearbench_reference::assembly::{Assembly, assemble};
 use gearbench_reference::solve::Cholesky;
-use gearbench_reference::{deck, reference};
+use gearbench_reference::{deck, gear_deck, reference};
 use std::hint::black_box;
 use std::time::Instant;
 use support::ratio::{Ratios, by_turns, median, ratios, seconds};
@@ -82,7 +82,7 @@ fn compare(
 #[allow(clippy::print_stdout)]
 fn main() {
     let external = reference("calculix/case-a-fine").unwrap();
-    let decks = deck::gears(&deck::read_bytes("case A", external.deck).unwrap()).unwrap();
+    let decks = gear_deck::gears(&deck::read_bytes("case A", external.deck).unwrap()).unwrap();
     let assemblies: Vec<Assembly> = decks
         .iter()
         .map(|g| assemble(&g.mesh.mesh, &Material::STEEL).unwrap())

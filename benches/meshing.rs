@@ -4,7 +4,8 @@
 
 use criterion::Criterion;
 use gearbench_models::geometry::{Gear, GearParams, Rack, RackParams};
-use gearbench_reference::mesh::{self, ElementKind, FineTeeth, GearMesh, GearMeshParams, Tooth};
+use gearbench_reference::gear_mesh::{self, FineTeeth, GearMesh, GearMeshParams, Tooth};
+use gearbench_reference::mesh::ElementKind;
 
 fn bytes(m: &GearMesh) -> usize {
     let sets: usize = m.mesh.node_sets.values().map(|s| 4 * s.capacity()).sum();
@@ -65,7 +66,7 @@ fn main() {
         change(&mut p);
         p
     };
-    let made = |g: &Gear, p: &GearMeshParams| mesh::gear(g, p).expect("a sound mesh");
+    let made = |g: &Gear, p: &GearMeshParams| gear_mesh::gear(g, p).expect("a sound mesh");
     row("spur, z = 24, C3D8I", &|| made(&g, &p));
     let wide = with(&|p| p.width = 6);
     row("the same, 6 layers over the width", &|| made(&g, &wide));
@@ -102,6 +103,6 @@ fn main() {
     })
     .expect("a rack that can be cut");
     row("rack, 20 teeth, C3D8I", &|| {
-        mesh::rack(&rack, &GearMeshParams::default()).expect("a sound mesh")
+        gear_mesh::rack(&rack, &GearMeshParams::default()).expect("a sound mesh")
     });
 }

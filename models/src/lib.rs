@@ -5,7 +5,8 @@
 //! finds candidate points between any two gears ([`contact`]), one set of laws gives the normal force ([`law`]), and
 //! one scene assembles gears, mounts, loads and meshes into a second-order system ([`scene::Scene`]).
 //!
-//! Modules in layers: each imports those above it in this table only.
+//! Modules in layers: each imports those above it in this table only. The crate [`gearbench_involute`] owns `geometry`,
+//! `stiffness` and `law`; they have their names here as well, and so has its [`Vec3`].
 //!
 //! | module | owns |
 //! |---|---|
@@ -27,12 +28,8 @@ mod cholesky;
 pub mod contact;
 pub mod error;
 pub mod gear;
-pub mod geometry;
 pub mod kinematics;
-pub mod law;
 pub mod scene;
 pub mod spec;
-pub mod stiffness;
 
-/// Position [m] or direction [-] in space.
-pub type Vec3 = nalgebra::Vector3<f64>;
+pub use gearbench_involute::{Vec3, geometry, law, stiffness};

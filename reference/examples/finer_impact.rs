@@ -7,8 +7,10 @@
 //! on the result.
 
 use gearbench_models::geometry::{Gear, GearParams};
-use gearbench_reference::deck::{self, ImpactGear};
-use gearbench_reference::mesh::{self, ElementKind, FineTeeth, Focus, GearMeshParams, Tooth};
+use gearbench_reference::deck;
+use gearbench_reference::gear_deck::{self, ImpactGear};
+use gearbench_reference::gear_mesh::{self, FineTeeth, Focus, GearMeshParams, Tooth};
+use gearbench_reference::mesh::ElementKind;
 use gearbench_reference::reference;
 use gearbench_reference::stored::ImpactParameters;
 use std::io::{BufWriter, Write};
@@ -31,8 +33,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     };
     let stored = reference("calculix/case-a-fine")?;
     let read = deck::read_bytes("calculix/case-a-fine", stored.deck)?;
-    let gears = deck::gears(&read)?;
-    let mut impact = deck::Impact::of(&read, &gears)?;
+    let gears = gear_deck::gears(&read)?;
+    let mut impact = gear_deck::Impact::of(&read, &gears)?;
     let p = &stored.parameters;
     let length =
         p.gears.iter().map(|g| g.base_radius).sum::<f64>() * p.working_pressure_angle.tan();
@@ -54,7 +56,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     // 18 us after the gears have parted.
     impact.end = 1.2e-4;
     let mut file = BufWriter::new(std::fs::File::create(out)?);
-    deck::write_impact(&mut file, &impact)?;
+    gear_deck::write_impact(&mut file, &impact)?;
     file.flush()?;
     Ok(())
 }
@@ -65,7 +67,7 @@ fn meshed(
     i: usize,
     roll: f64,
     flank: usize,
-) -> Result<mesh::GearMesh, Box<dyn std::error::Error>> {
+) -> Result<gear_mesh::GearMesh, Box<dyn std::error::Error>> {
     let gear = Gear::new(GearParams {
         teeth: p.gears[i].teeth,
         module: p.module,
@@ -107,5 +109,5 @@ fn meshed(
         }),
         ..Default::default()
     };
-    Ok(mesh::gear(&gear, &params)?)
+    Ok(gear_mesh::gear(&gear, &params)?)
 }

@@ -12,7 +12,7 @@
 #[path = "../fuzz/checks.rs"]
 mod checks;
 
-use gearbench_reference::{data, deck};
+use gearbench_reference::{data, deck, gear_deck};
 use std::collections::HashSet;
 use std::error::Error;
 use std::path::Path;
@@ -92,7 +92,7 @@ fn answer(target: &str, input: &[u8]) -> String {
     }
     match deck::read_bytes("fuzz", input) {
         Ok(deck) => {
-            let gears = match deck::gears(&deck) {
+            let gears = match gear_deck::gears(&deck) {
                 Ok(gears) => format!("{} gears", gears.len().min(3)),
                 Err(e) => plain(&e.expected),
             };

@@ -16,8 +16,9 @@
 use gearbench_models::Vec3;
 use gearbench_models::geometry::{Gear, GearParams, Side};
 use gearbench_models::stiffness::Material;
-use gearbench_reference::deck::{self, BodyShape, Hub, Impact, ImpactGear};
-use gearbench_reference::mesh::{self, ElementKind, FineTeeth, GearMeshParams, Tooth};
+use gearbench_reference::gear_deck::{self, BodyShape, Hub, Impact, ImpactGear};
+use gearbench_reference::gear_mesh::{self, FineTeeth, GearMeshParams, Tooth};
+use gearbench_reference::mesh::ElementKind;
 use std::f64::consts::PI;
 use std::io::{BufWriter, Write};
 
@@ -91,7 +92,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         alpha: -0.05,
     };
     let mut file = BufWriter::new(std::fs::File::create(out)?);
-    deck::write_impact(&mut file, &impact)?;
+    gear_deck::write_impact(&mut file, &impact)?;
     file.flush()?;
     Ok(())
 }
@@ -113,7 +114,7 @@ fn gear(
 }
 
 /// Three teeth fine, the others just mass and the stiffness of their roots.
-fn meshed(gear: &Gear, fine: Vec<u32>) -> Result<mesh::GearMesh, Box<dyn std::error::Error>> {
+fn meshed(gear: &Gear, fine: Vec<u32>) -> Result<gear_mesh::GearMesh, Box<dyn std::error::Error>> {
     let params = GearMeshParams {
         kind: ElementKind::C3D8,
         tooth: Tooth {
@@ -131,5 +132,5 @@ fn meshed(gear: &Gear, fine: Vec<u32>) -> Result<mesh::GearMesh, Box<dyn std::er
         }),
         ..Default::default()
     };
-    Ok(mesh::gear(gear, &params)?)
+    Ok(gear_mesh::gear(gear, &params)?)
 }

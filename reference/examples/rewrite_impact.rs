@@ -5,6 +5,7 @@
 //! `reference/calculix/own_deck.sh OUT.inp` runs CalculiX on the result.
 
 use gearbench_reference::deck;
+use gearbench_reference::gear_deck;
 use std::io::{BufWriter, Write};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -15,13 +16,13 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         _ => return Err("usage: rewrite_impact IN.inp[.gz] OUT.inp [STEP_S END_S]".into()),
     };
     let read = deck::read(input)?;
-    let gears = deck::gears(&read)?;
-    let mut impact = deck::Impact::of(&read, &gears)?;
+    let gears = gear_deck::gears(&read)?;
+    let mut impact = gear_deck::Impact::of(&read, &gears)?;
     if let Some((step, end)) = times {
         (impact.step, impact.end) = (step, end);
     }
     let mut out = BufWriter::new(std::fs::File::create(output)?);
-    deck::write_impact(&mut out, &impact)?;
+    gear_deck::write_impact(&mut out, &impact)?;
     out.flush()?;
     Ok(())
 }

@@ -24,7 +24,8 @@ use gearbench_models::spec::{
 };
 use gearbench_models::stiffness::{Material, PairOrMesh, PairStiffness};
 use gearbench_reference::MODELS;
-use gearbench_reference::mesh::{self, ElementKind, GearMeshParams, Tooth};
+use gearbench_reference::gear_mesh::{self, GearMeshParams, Tooth};
+use gearbench_reference::mesh::{self, ElementKind};
 use gearbench_reference::reduction::ElasticParameters;
 use std::io::{BufWriter, Write};
 use std::path::Path;
@@ -119,7 +120,7 @@ fn write(path: &Path, gear: &Gear, flank: usize, width: usize) -> Result<(), Fai
         width,
         ..Default::default()
     };
-    let whole = mesh::gear(gear, &params)?.mesh;
+    let whole = gear_mesh::gear(gear, &params)?.mesh;
     let mesh = mesh::tetrahedra(&whole).ok_or("hexahedra of 20 nodes are cut")?;
     let mut file = BufWriter::new(std::fs::File::create(path)?);
     writeln!(file, "*NODE")?;

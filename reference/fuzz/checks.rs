@@ -4,7 +4,7 @@
 use gearbench_reference::data::{
     GearSubject, MeshSubject, Processing, Request, Subjects, Turning, decode, read,
 };
-use gearbench_reference::{deck, mesh};
+use gearbench_reference::{deck, gear_deck, mesh};
 
 /// Checks that a deck is read or declined, its gears are found or declined, and nothing panics, hangs or uses memory
 /// out of proportion. Includes come from the same bytes.
@@ -25,10 +25,10 @@ pub fn deck(data: &[u8]) {
         Ok(deck) => {
             assert!(deck.told().iter().all(|line| !line.is_empty()));
             hangs_together(&deck);
-            for finding in deck::check_gtm(&deck) {
+            for finding in gear_deck::check_gtm(&deck) {
                 assert!(!finding.to_string().is_empty());
             }
-            match deck::gears(&deck) {
+            match gear_deck::gears(&deck) {
                 Ok(gears) => {
                     for g in &gears {
                         assert!(g.phase.is_finite() && g.centre.iter().all(|x| x.is_finite()));
@@ -60,7 +60,7 @@ pub fn msh(data: &[u8]) {
         Ok(deck) => {
             hangs_together(&deck);
             assert!(deck.told().iter().all(|line| !line.is_empty()));
-            let _ = deck::gears(&deck).map_err(|e| assert!(!e.to_string().is_empty()));
+            let _ = gear_deck::gears(&deck).map_err(|e| assert!(!e.to_string().is_empty()));
         }
         Err(e) => assert!(e.line > 0 || !e.found.is_empty()),
     }

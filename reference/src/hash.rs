@@ -3,16 +3,10 @@
 //! `h <- (h xor byte) p` from `h_0`, with the constants of G. Fowler, L. C. Noll, K.-P. Vo and D. Eastlake (RFC 9923).
 //! It distinguishes data that differ by chance or by edits; it is no protection against forgery.
 
+pub use gearbench_solid_fe::hash::spread;
+
 use gearbench_models::Vec3;
 use std::fmt;
-
-/// Spreads the bits of a number over 64 bits: the finaliser of SplitMix64 (Steele, Lea, Flood, OOPSLA 2014).
-pub fn spread(x: u64) -> u64 {
-    let mut z = x.wrapping_add(0x9e37_79b9_7f4a_7c15);
-    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    z ^ (z >> 31)
-}
 
 /// Hash of a sequence of numbers and texts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

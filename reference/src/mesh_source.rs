@@ -15,8 +15,8 @@ mod tests;
 pub use reader::Reader;
 pub use stored::Stored;
 
-use crate::mesh;
-use crate::mesh::{ElementKind, GearMesh, GearMeshParams};
+use crate::gear_mesh::{self, GearMesh, GearMeshParams};
+use crate::mesh::ElementKind;
 use gearbench_models::declare_parameters;
 use gearbench_models::error::BuildError;
 use gearbench_models::gear::parameters::whole;
@@ -151,8 +151,8 @@ impl Source {
             Source::Generated(params) => params,
         };
         let mesh = match reader.context.body {
-            Toothing::Gear(g) => mesh::gear(g, &params),
-            Toothing::Rack(r) => mesh::rack(r, &params),
+            Toothing::Gear(g) => gear_mesh::gear(g, &params),
+            Toothing::Rack(r) => gear_mesh::rack(r, &params),
         };
         mesh.map_err(|e| reader.error("mesh", e.to_string()).of_model())
     }
@@ -162,7 +162,7 @@ impl Source {
     pub fn sector(&self, reader: &Reader<'_>) -> Result<Option<GearMesh>, BuildError> {
         match (self, reader.context.body) {
             (Source::Generated(params), Toothing::Gear(g)) if g.teeth() >= 3 => {
-                let mesh = mesh::sector(g, params);
+                let mesh = gear_mesh::sector(g, params);
                 mesh.map(Some)
                     .map_err(|e| reader.error("mesh", e.to_string()).of_model())
             }

@@ -3,9 +3,8 @@
 use crate::assembly::assemble;
 use crate::assembly::tie::{HubMotion, MassKind, Reduced, Tie};
 use crate::deck::{self, Deck, ElementBlock, Place};
-use crate::element::natural;
-use crate::mesh::{ElementKind, GearMesh, GearMeshParams, Mesh, Shape, Tooth};
-use faer::sparse::SparseColMat;
+use crate::gear_mesh::{GearMesh, GearMeshParams, Tooth};
+use crate::mesh::{ElementKind, Mesh};
 use gearbench_models::Vec3;
 use gearbench_models::gear::table::GearContext;
 use gearbench_models::geometry::{Gear, GearParams, Rack, RackParams};
@@ -29,23 +28,22 @@ pub(crate) fn parsed(name: &str, text: &str) -> Deck {
 /// A deck without sets.
 pub(crate) fn bare(mesh: &Mesh) -> Deck {
     let kind = mesh.kind().unwrap();
-    Deck {
-        name: "bare.inp".to_owned(),
-        nodes: mesh.nodes.clone(),
-        node_labels: (1..=mesh.nodes.len() as u32).map(Into::into).collect(),
-        blocks: vec![ElementBlock {
-            kind,
-            set: None,
-            first: 0,
-            connectivity: mesh.connectivity().collect(),
-            place: Place {
-                file: "bare.inp".into(),
-                line: 1,
-            },
-        }],
-        element_labels: (1..=mesh.element_count() as u32).map(Into::into).collect(),
-        ..Deck::default()
-    }
+    let mut deck = Deck::default();
+    deck.name = "bare.inp".to_owned();
+    deck.nodes.clone_from(&mesh.nodes);
+    deck.node_labels = (1..=mesh.nodes.len() as u32).map(Into::into).collect();
+    deck.blocks.push(ElementBlock {
+        kind,
+        set: None,
+        first: 0,
+        connectivity: mesh.connectivity().collect(),
+        place: Place {
+            file: "bare.inp".into(),
+            line: 1,
+        },
+    });
+    deck.element_labels = (1..=mesh.element_count() as u32).map(Into::into).collect();
+    deck
 }
 
 /// A gear of the default toothing, changed where a test needs it.
@@ -111,88 +109,6 @@ pub(crate) fn counted(flank: usize, rim: usize, width: usize) -> GearMeshParams 
     params
 }
 
-/// Nodes of the elements that make up a cell, in steps of half an edge: two wedges, or six tetrahedra about a
-/// diagonal (H. W. Kuhn 1960).
-fn of_cell(kind: ElementKind) -> Vec<Vec<[usize; 3]>> {
-    let whole = |corners: Vec<[usize; 3]>| -> Vec<[usize; 3]> {
-        let edges = kind.edges().iter().take(kind.nodes() - kind.corners());
-        let middles = edges.map(|&[a, b]| [0, 1, 2].map(|i| (corners[a][i] + corners[b][i]) / 2));
-        let middles: Vec<[usize; 3]> = middles.collect();
-        corners.into_iter().chain(middles).collect()
-    };
-    let at = |x: usize, y: usize, z: usize| [2 * x, 2 * y, 2 * z];
-    match kind.shape() {
-        Shape::Hexahedron => {
-            let nodes = (0..kind.nodes()).map(|a| natural(kind, a).map(|c| (c + 1.0) as usize));
-            vec![nodes.collect()]
-        }
-        Shape::Wedge => [[[0, 0], [1, 0], [1, 1]], [[0, 0], [1, 1], [0, 1]]]
-            .map(|t| {
-                let layer = |z| t.map(|[x, y]| at(x, y, z));
-                whole(layer(0).into_iter().chain(layer(1)).collect())
-            })
-            .into(),
-        Shape::Tetrahedron => [
-            [0, 1, 2],
-            [1, 2, 0],
-            [2, 0, 1],
-            [0, 2, 1],
-            [1, 0, 2],
-            [2, 1, 0],
-        ]
-        .iter()
-        .enumerate()
-        .map(|(i, order)| {
-            let mut corners = vec![[0; 3]];
-            for &axis in order {
-                let mut next = corners[corners.len() - 1];
-                next[axis] = 2;
-                corners.push(next);
-            }
-            if i >= 3 {
-                corners.swap(1, 2);
-            }
-            whole(corners)
-        })
-        .collect(),
-    }
-}
-
-/// A box from the origin, cut into equal cells; nodes ascend along z first, x last.
-pub(crate) fn brick(kind: ElementKind, cells: [usize; 3], size: [f64; 3]) -> Mesh {
-    let points = cells.map(|c| 2 * c + 1);
-    let at = |i: [usize; 3]| (i[0] * points[1] + i[1]) * points[2] + i[2];
-    let mut used = vec![false; points.iter().product()];
-    let of_cell = of_cell(kind);
-    let mut elements = Vec::new();
-    for x in 0..cells[0] {
-        for y in 0..cells[1] {
-            for z in 0..cells[2] {
-                elements.extend(of_cell.iter().flatten().map(|n| {
-                    let place = at([2 * x + n[0], 2 * y + n[1], 2 * z + n[2]]);
-                    used[place] = true;
-                    place
-                }));
-            }
-        }
-    }
-    let mut number = vec![u32::MAX; used.len()];
-    let mut nodes = Vec::new();
-    for x in 0..points[0] {
-        for y in 0..points[1] {
-            for z in 0..points[2] {
-                if used[at([x, y, z])] {
-                    number[at([x, y, z])] = nodes.len() as u32;
-                    let part = |i: usize, k: usize| size[k] * i as f64 / (points[k] - 1) as f64;
-                    nodes.push(Vec3::new(part(x, 0), part(y, 1), part(z, 2)));
-                }
-            }
-        }
-    }
-    let connectivity = elements.into_iter().map(|place| number[place]);
-    Mesh::new(kind, nodes, connectivity.collect())
-}
-
 /// A hub away from the origin, with unit inertia.
 pub(crate) fn hub(mount: Mount, slide: Option<Vec3>) -> Hub {
     Hub::new(mount, Vec3::new(0.1, -0.2, 0.0), slide, 1.0)
@@ -220,20 +136,6 @@ pub(crate) fn context<'a>(body: &'a Body, hub: &'a Hub, model: &'a ModelSpec) ->
 /// Returns the largest absolute value.
 pub(crate) fn largest(x: &[f64]) -> f64 {
     x.iter().fold(0.0, |m, x| m.max(x.abs()))
-}
-
-/// `A x` of a lower triangle.
-pub(crate) fn product(a: &SparseColMat<usize, f64>, x: &[f64]) -> Vec<f64> {
-    let mut y = vec![0.0; x.len()];
-    for j in 0..a.ncols() {
-        for (i, v) in a.row_idx_of_col(j).zip(a.val_of_col(j)) {
-            y[i] += v * x[j];
-            if i != j {
-                y[j] += v * x[i];
-            }
-        }
-    }
-    y
 }
 
 /// A mesh on its hub: the tie, stiffness and consistent mass.

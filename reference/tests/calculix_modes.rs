@@ -11,7 +11,8 @@ use gearbench_models::stiffness::Material;
 use gearbench_reference::assembly::assemble;
 use gearbench_reference::assembly::tie::{HubMotion, MassKind, Tie};
 use gearbench_reference::deck::{self, Deck};
-use gearbench_reference::mesh::{ElementKind, GearMeshParams, Mesh, Tooth, sector};
+use gearbench_reference::gear_mesh::{GearMeshParams, Tooth, sector};
+use gearbench_reference::mesh::{ElementKind, Mesh};
 use gearbench_reference::modes::cyclic::{self, Hub};
 use gearbench_reference::modes::{Modes, Options, lowest};
 use std::path::{Path, PathBuf};
@@ -196,7 +197,14 @@ fn condensed_incompatible_modes_meet_the_quadratic_element_at_as_many_unknowns()
             verify: false,
             ..Options::default()
         };
-        cyclic::lowest(&section, &Material::STEEL, &Hub::fixed(), 20, &options).unwrap()
+        cyclic::lowest(
+            &section.as_sector(),
+            &Material::STEEL,
+            &Hub::fixed(),
+            20,
+            &options,
+        )
+        .unwrap()
     };
     let linear = modes(ElementKind::C3D8I, [8, 6, 3, 8, 8, 8]);
     let quadratic = modes(ElementKind::C3D20R, [6, 4, 2, 6, 4, 4]);
@@ -240,7 +248,7 @@ fn two_hundred_modes_of_a_generated_gear() {
     let section = sector(&body, &params).unwrap();
     let stored = table("eig_z24_generated.csv", "C3D8_hz");
     let modes = cyclic::lowest(
-        &section,
+        &section.as_sector(),
         &Material::STEEL,
         &Hub::fixed(),
         stored.len(),

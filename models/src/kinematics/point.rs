@@ -26,7 +26,7 @@ pub enum Locus {
     Node(u32),
     /// A quadrature point of a flank face.
     Quadrature {
-        /// Number of the face.
+        /// Number of the face, counted as in [`Flanks`](crate::geometry::Flanks).
         face: u32,
         /// Parametric coordinates on the face.
         xi: [f64; 2],

@@ -12,7 +12,7 @@
 
 use super::FullOrder;
 use super::kinematics::dot3;
-use crate::mesh::GearMesh;
+use crate::gear_mesh::GearMesh;
 use crate::reduction::{Surface, near_field_of_flanks};
 use gearbench_integrators::system::StateView;
 use gearbench_models::Vec3;

@@ -1,6 +1,6 @@
 //! Why matrices or mode shapes of another program are refused.
 
-use crate::refusal::Refusal;
+use crate::Refusal;
 
 /// Kind of the problem in a [`MatrixError`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

@@ -1,9 +1,9 @@
 //! Lines of a text of numbers, with their places for messages.
 
 use super::error::{MatrixError, MatrixErrorKind};
+use crate::Refusal;
 use crate::deck::quote;
 use crate::files::take_line;
-use crate::refusal::Refusal;
 use std::borrow::Cow;
 use std::str::FromStr;
 

@@ -16,9 +16,11 @@
 use super::error::{MatrixError, MatrixErrorKind, refused};
 use super::{Coordinate, Shapes, SymmetricEntries, SystemMatrices};
 use crate::assembly::{Assembly, BlockMatrix, Pattern, ScalarMatrix};
-use crate::deck::{Deck, DeckGear, Units};
+use crate::deck::{Deck, Units};
+use crate::gear_deck::DeckGear;
+use crate::gear_mesh::GearMesh;
 use crate::hash::Hash;
-use crate::mesh::{GearMesh, quality};
+use crate::mesh::quality;
 use faer::Mat;
 use gearbench_models::Vec3;
 use gearbench_models::stiffness::Material;

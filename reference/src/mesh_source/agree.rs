@@ -1,7 +1,8 @@
 //! Comparison of a recognised mesh with the gear of the scene.
 
-use crate::deck::{Deck, DeckGear};
-use crate::mesh::GearMesh;
+use crate::deck::Deck;
+use crate::gear_deck::DeckGear;
+use crate::gear_mesh::GearMesh;
 use crate::recognise::{RecognisedBody, RecognisedGear, RecognisedRack};
 use gearbench_models::geometry::{Gear, Rack};
 use gearbench_models::spec::Body as Toothing;

@@ -7,9 +7,11 @@
 
 use super::agree::disagreement;
 use super::{MeshParameters, Reader};
-use crate::deck::{self, BodyShape, Deck, DeckError, DeckGear, Units};
+use crate::deck::{self, Deck, DeckError, Units};
 use crate::file_kind::{self, Input};
-use crate::mesh::{ElementKind, GearMesh};
+use crate::gear_deck::{self, BodyShape, DeckGear};
+use crate::gear_mesh::GearMesh;
+use crate::mesh::ElementKind;
 use crate::recognise::{RecognisedBody, SpecifiedBody};
 use gearbench_models::Vec3;
 use gearbench_models::error::BuildError;
@@ -56,7 +58,7 @@ pub(super) fn stored(
     let known = known(reader, given)?;
     let deck = read(reader, given, source)?;
     // A mesh without a material is as good: the scene has its own.
-    let bodies = deck::gears_known(&deck, Some(context.material), &known);
+    let bodies = gear_deck::gears_known(&deck, Some(context.material), &known);
     let bodies = bodies.map_err(|e| reader.error("mesh", e.to_string()))?;
     let gear = chosen(reader, source, bodies)?;
     if let Some(off) = disagreement(&gear, context.body) {

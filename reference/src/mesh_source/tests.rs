@@ -1,8 +1,8 @@
 //! Parameters of meshes, and agreement of files with scenes.
 
 use super::{MeshParameters, Reader, Source, Stored};
-use crate::mesh::{self, Mesh};
-use crate::{deck, test_support};
+use crate::mesh::Mesh;
+use crate::{deck, gear_deck, gear_mesh, test_support};
 use gearbench_models::Vec3;
 use gearbench_models::gear::rigid;
 use gearbench_models::geometry::{GearParams, Side};
@@ -233,7 +233,7 @@ fn without(given: &MeshParameters) {
 #[test]
 fn flanks_that_cannot_touch_are_refused() {
     let gear = test_support::gear(18, 4e-3, |p| p.bore_radius = 15e-3);
-    let mut mesh = mesh::gear(&gear, &test_support::coarse(2, 4)).unwrap();
+    let mut mesh = gear_mesh::gear(&gear, &test_support::coarse(2, 4)).unwrap();
     let dented = mesh
         .flanks
         .iter()
@@ -245,7 +245,7 @@ fn flanks_that_cannot_touch_are_refused() {
     }
     let given = deck_of(&mesh.mesh);
     let read_again = deck::read(given.mesh.as_deref().unwrap()).unwrap();
-    let found = deck::gears_with(&read_again, Some(Material::STEEL)).unwrap();
+    let found = gear_deck::gears_with(&read_again, Some(Material::STEEL)).unwrap();
     let [why] = &found[0].missing[..] else {
         panic!("{:?}", found[0].missing)
     };
@@ -262,7 +262,7 @@ fn flanks_that_cannot_touch_are_refused() {
 #[test]
 fn racks_have_to_agree() {
     let own = test_support::rack(6, 3e-3, |p| p.face_width = 8e-3);
-    let mesh = mesh::rack(&own, &test_support::coarse(2, 2)).unwrap();
+    let mesh = gear_mesh::rack(&own, &test_support::coarse(2, 2)).unwrap();
     let given = deck_of(&mesh.mesh);
     let of = |change: &dyn Fn(&mut gearbench_models::geometry::RackParams)| {
         let body = Body::Rack(test_support::rack(6, 3e-3, |p| {

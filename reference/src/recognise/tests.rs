@@ -3,7 +3,9 @@
 
 use super::*;
 use crate::deck;
-use crate::mesh::{self, ElementKind, GearMesh, GearMeshParams, Mesh, Tooth};
+use crate::gear_deck;
+use crate::gear_mesh::{self, GearMesh, GearMeshParams, Tooth};
+use crate::mesh::{self, ElementKind, Mesh};
 use crate::test_support::{calculix, noise};
 use gearbench_models::geometry::Gear;
 use nalgebra::Rotation3;
@@ -67,7 +69,7 @@ pub(crate) fn plain(kind: ElementKind) -> GearMeshParams {
 }
 
 fn generated(g: &Gear, kind: ElementKind) -> GearMesh {
-    mesh::gear(g, &plain(kind)).unwrap()
+    gear_mesh::gear(g, &plain(kind)).unwrap()
 }
 
 #[test]
@@ -131,8 +133,10 @@ fn calculix_gears_are_found_without_their_sets() {
         let path = format!("{}/calculix/{case}/params.json", env!("CARGO_MANIFEST_DIR"));
         let p: serde_json::Value =
             serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap();
-        let gears = deck::gears(&calculix(&format!("{case}/{name}.inp.gz"))).unwrap();
-        let toothed = gears.iter().filter(|g| g.shape == deck::BodyShape::Gear);
+        let gears = gear_deck::gears(&calculix(&format!("{case}/{name}.inp.gz"))).unwrap();
+        let toothed = gears
+            .iter()
+            .filter(|g| g.shape == gear_deck::BodyShape::Gear);
         for (i, g) in toothed.enumerate() {
             let expected = &p[format!("gear{}", i + 1)];
             let number = |key: &str| expected[key].as_f64().unwrap();
@@ -225,7 +229,7 @@ fn other_bodies_are_refused() {
             .unwrap_err()
             .to_string()
     };
-    let cube = crate::test_support::brick(ElementKind::C3D8, [3, 4, 5], [1.0, 2.0, 3.0]);
+    let cube = crate::mesh::brick(ElementKind::C3D8, [3, 4, 5], [1.0, 2.0, 3.0]);
     assert!(
         of(&cube).contains("outermost") || of(&cube).contains("bore"),
         "{}",
@@ -332,7 +336,8 @@ fn gmsh_gears_are_found() {
         let path = format!("{}/gmsh/spur_z{teeth}.msh.gz", env!("CARGO_MANIFEST_DIR"));
         let read = deck::read(path).unwrap();
         let gears =
-            deck::gears_with(&read, Some(gearbench_models::stiffness::Material::STEEL)).unwrap();
+            gear_deck::gears_with(&read, Some(gearbench_models::stiffness::Material::STEEL))
+                .unwrap();
         let [gear] = &gears[..] else {
             panic!("{} bodies", gears.len())
         };

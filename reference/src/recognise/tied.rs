@@ -12,7 +12,7 @@
 //! face.
 
 use super::{Facet, FlankPoint, Patch, RecognisedGear, Skin};
-use crate::mesh::TiedPoint;
+use crate::gear_mesh::TiedPoint;
 use gearbench_models::Vec3;
 use gearbench_models::geometry::Side;
 

@@ -24,9 +24,9 @@ use super::surface::Surface;
 use super::{Basis, ModeSelection, Mounting, compliance, integrals, near_field};
 use crate::assembly::tie::{MassKind, Tie};
 use crate::assembly::{Assembly, assemble};
+use crate::gear_mesh::GearMesh;
 use crate::limits;
 use crate::matrices::ForeignBody;
-use crate::mesh::GearMesh;
 use crate::modes::cyclic::{Hub, Sector};
 use crate::modes::{self, Options, Target};
 use crate::vector::dot;
@@ -239,7 +239,7 @@ pub fn of_sector(
         added_inertia: mounting.added_in_motions(),
     };
     let own = hub.motions.len();
-    let search = Sector::new(sector, material, &hub)?;
+    let search = Sector::new(&sector.as_sector(), material, &hub)?;
     let target = wanted.target(own, search.unknowns() * sector.teeth as usize);
     let mut found = search.find(target, &Options::default())?;
     let lateral = mounting.is_lateral().then(|| {
@@ -268,7 +268,7 @@ pub fn of_sector(
         near_field: near_field.map(|own| vec![own; sector.teeth as usize].concat()),
         lateral: (mounting.is_lateral()).then(|| {
             let sector = Moments::of(&mass, &sector.mesh.nodes);
-            rigid::round(rigid::body(&sector.repeated(found.teeth), mounting))
+            rigid::round(rigid::body(&sector.repeated(found.sectors), mounting))
         }),
     };
     finish(nodes, mounting, body, shapes, (residual, integrals))

@@ -43,8 +43,8 @@ use super::surface::Surface;
 use super::truncation::{symmetrise, symmetrise_blocks};
 use crate::assembly::Assembly;
 use crate::assembly::tie::{HubMotion, MassKind, Tie};
+use crate::gear_mesh::GearMesh;
 use crate::limits;
-use crate::mesh::GearMesh;
 use crate::modes::cyclic::{Column, Hub, Sector};
 use crate::solve::{Cholesky, SolveMemory};
 use crate::vector::dot;
@@ -196,7 +196,7 @@ fn held_of_sector(
             "a gear made of copies of a sector turns about z: a rack needs its whole mesh".into(),
         ));
     }
-    let cyclic = Sector::new(sector, material, &Hub::fixed())?;
+    let cyclic = Sector::new(&sector.as_sector(), material, &Hub::fixed())?;
     let per_tooth = surface.directions.len() / teeth;
     check_sector(surface, teeth, cyclic.unknowns())?;
     let columns = columns(surface, per_tooth, |node| cyclic.place_of(node))?;

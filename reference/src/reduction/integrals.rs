@@ -186,8 +186,8 @@ pub(super) fn of_sector(
     if modes.len() > MOST_MODES {
         return None;
     }
-    let teeth = f64::from(found.teeth);
-    let mut out = Moments::of(mass, nodes).repeated(found.teeth).integrals();
+    let teeth = f64::from(found.sectors);
+    let mut out = Moments::of(mass, nodes).repeated(found.sectors).integrals();
     // Per harmonic: images of its shapes, real and imaginary part.
     let images: Vec<Vec<[Vec<f64>; 2]>> = (found.shapes.iter())
         .map(|shapes| {
@@ -210,8 +210,8 @@ pub(super) fn of_sector(
         let [re, im] = &images[m.harmonic as usize][m.column];
         let (re, im) = (sums(nodes, re), sums(nodes, im));
         let (mut sum, mut moment) = (Vec3::zeros(), Vec3::zeros());
-        for tooth in 0..found.teeth {
-            let turns = (u64::from(tooth) * u64::from(m.harmonic)) % u64::from(found.teeth);
+        for tooth in 0..found.sectors {
+            let turns = (u64::from(tooth) * u64::from(m.harmonic)) % u64::from(found.sectors);
             let (sin, cos) = (TAU * turns as f64 / teeth).sin_cos();
             let (a, b) = match m.part {
                 Part::Single | Part::Cosine => (cos, -sin),

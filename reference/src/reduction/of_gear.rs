@@ -1,7 +1,7 @@
 //! Which reduction a gear of a scene needs: its mesh and its mount.
 
 use super::{ModeSelection, Mounting, Request};
-use crate::mesh::GearMesh;
+use crate::gear_mesh::GearMesh;
 use crate::mesh_source::{MeshParameters, Reader, Source};
 use crate::recognise::RecognisedBody;
 use gearbench_models::Vec3;

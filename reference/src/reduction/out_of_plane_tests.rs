@@ -3,7 +3,7 @@
 use super::rigid::rigid_mass;
 use super::{Basis, ModeSelection, Mounting, basis, mounting_of};
 use crate::assembly::assemble;
-use crate::mesh::{self, GearMesh};
+use crate::gear_mesh::{self, GearMesh};
 use crate::test_support::{self, coarse, stub};
 use crate::vector::dot;
 use gearbench_models::Vec3;
@@ -88,8 +88,8 @@ fn sector_and_whole_mesh_agree_and_no_mode_holds_momentum() {
         (8, 0.0, floating(Mounting::gear(true, 0.0), along, 0.1, 0.0)),
     ] {
         let gear = stub(teeth, helix);
-        let whole = mesh::gear(&gear, &coarse(2, 2)).unwrap();
-        let sector = mesh::sector(&gear, &coarse(2, 2)).unwrap();
+        let whole = gear_mesh::gear(&gear, &coarse(2, 2)).unwrap();
+        let sector = gear_mesh::sector(&gear, &coarse(2, 2)).unwrap();
         let wanted = ModeSelection::Count(61);
         let a = basis::of_sector(&sector, &STEEL, &mounting, wanted, false).unwrap();
         let b = of_mesh(&whole, &mounting, wanted);
@@ -152,7 +152,7 @@ fn sector_and_whole_mesh_agree_and_no_mode_holds_momentum() {
 #[test]
 fn the_rigid_part_is_that_of_the_elements() {
     let rack = test_support::rack(3, 2e-3, |p| p.face_width = 4e-3);
-    let bar = mesh::rack(&rack, &coarse(2, 1)).unwrap();
+    let bar = gear_mesh::rack(&rack, &coarse(2, 1)).unwrap();
     let mounting = floating(Mounting::rack(true, 0.01), ALL, 0.01, 2e-7);
     let b = of_mesh(&bar, &mounting, ModeSelection::Count(30));
     holds_no_momentum(&b, &mounting);
@@ -182,7 +182,7 @@ fn the_rigid_part_is_that_of_the_elements() {
 #[test]
 fn a_heavy_hub_is_a_held_one() {
     let gear = stub(9, 0.0);
-    let sector = mesh::sector(&gear, &coarse(1, 1)).unwrap();
+    let sector = gear_mesh::sector(&gear, &coarse(1, 1)).unwrap();
     let modes = |mounting: &Mounting| {
         basis::of_sector(&sector, &STEEL, mounting, ModeSelection::Count(40), false).unwrap()
     };

@@ -5,7 +5,7 @@ use super::surface::Surface;
 use super::{ModeSelection, Mounting, basis};
 use crate::assembly::assemble;
 use crate::assembly::tie::{MassKind, Tie};
-use crate::mesh::{self, GearMesh};
+use crate::gear_mesh::{self, GearMesh};
 use crate::modes::{self, Options};
 use crate::test_support::{coarse, hub, noise, rack, stub};
 use gearbench_integrators::system::StateView;
@@ -20,8 +20,8 @@ use std::sync::Arc;
 fn bodies() -> [(GearMesh, Mounting, Mount, Option<Vec3>); 4] {
     let gear = stub(6, 0.0);
     let rack = rack(2, 4e-3, |p| p.body_height = 8e-3);
-    let wheel = || mesh::gear(&gear, &coarse(1, 1)).unwrap();
-    let bar = || mesh::rack(&rack, &coarse(1, 1)).unwrap();
+    let wheel = || gear_mesh::gear(&gear, &coarse(1, 1)).unwrap();
+    let bar = || gear_mesh::rack(&rack, &coarse(1, 1)).unwrap();
     let slide = Some(Vec3::new(-0.6, 0.8, 0.0));
     [
         (wheel(), Mounting::gear(true, 1e-5), Mount::Revolute, None),

@@ -22,8 +22,9 @@ use super::mounting::field;
 use super::{Basis, Mounting, Surface};
 use crate::assembly::assemble;
 use crate::assembly::tie::{MassKind, Tie};
+use crate::gear_mesh::{self, GearMesh, GearMeshParams};
 use crate::limits;
-use crate::mesh::{self, GearMesh, GearMeshParams, vtu};
+use crate::mesh::vtu;
 use crate::solve::Cholesky;
 use crate::vector::dot;
 use faer::prelude::Solve;
@@ -120,8 +121,8 @@ impl MeshRecovery {
             MeshExtent::Generated(of) => {
                 let (body, params) = of.as_ref();
                 let whole = match body {
-                    Toothing::Gear(gear) => mesh::gear(gear, params),
-                    Toothing::Rack(rack) => mesh::rack(rack, params),
+                    Toothing::Gear(gear) => gear_mesh::gear(gear, params),
+                    Toothing::Rack(rack) => gear_mesh::rack(rack, params),
                 };
                 whole.map_err(|e| Reason::from(e.to_string()))?
             }

@@ -3,9 +3,9 @@
 use super::store::SCHEMA;
 use super::{Basis, ModeSelection, Mounting, ReductionError, basis};
 use crate::assembly::tie::HubMotion;
+use crate::gear_mesh::GearMesh;
 use crate::hash::Hash;
 use crate::matrices::ForeignBody;
-use crate::mesh::GearMesh;
 use gearbench_models::stiffness::Material;
 
 /// Version of the way a basis is computed from a request. Raise it with every change that moves a stored number by more

@@ -129,7 +129,7 @@ pub fn lowest(basis: &Basis, wanted: ModeSelection) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh;
+    use crate::gear_mesh;
     use crate::reduction::Mounting;
     use crate::test_support::{coarse, stub};
     use gearbench_models::stiffness::Material;
@@ -154,7 +154,7 @@ mod tests {
     /// More gears than threads, all of them in the pool that the computation would use too.
     #[test]
     fn gears_that_are_built_in_parallel_share_a_basis_and_do_not_wait_for_each_other() {
-        let sector = mesh::sector(&stub(8, 0.0), &coarse(1, 1)).unwrap();
+        let sector = gear_mesh::sector(&stub(8, 0.0), &coarse(1, 1)).unwrap();
         let request = Request {
             along_profile: false,
             foreign: None,

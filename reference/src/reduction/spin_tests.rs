@@ -2,7 +2,7 @@
 
 use super::choose::{self, ModalDamping};
 use super::{ModeSelection, Mounting, basis};
-use crate::mesh::sector;
+use crate::gear_mesh::sector;
 use crate::test_support::{counted, gear, hub};
 use gearbench_integrators::system::StateView;
 use gearbench_models::gear::elastic::{Elastic, SpinTerms};

@@ -8,7 +8,7 @@
 //! ([`Surface::with_profile`]). Shapes and compliances then have two rows per node, first outwards.
 
 use super::error::ReductionError;
-use crate::mesh::{GearMesh, TiedPoint};
+use crate::gear_mesh::{GearMesh, TiedPoint};
 use gearbench_models::Vec3;
 use gearbench_models::contact::points::{nodal_normals, reference_areas};
 use gearbench_models::geometry::{FlankGrid, Flanks, along_profile};

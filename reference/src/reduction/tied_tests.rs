@@ -1,7 +1,8 @@
 //! Flanks whose nodes no set names, and those that are no grid: modes and compliance of the same body.
 
-use crate::deck;
-use crate::mesh::{self, ElementKind, GearMesh, Mesh};
+use crate::gear_deck;
+use crate::gear_mesh::{self, GearMesh};
+use crate::mesh::{self, ElementKind, Mesh};
 use crate::recognise::tests::strange;
 use crate::reduction::surface::Surface;
 use crate::reduction::{Basis, ModeSelection, Mounting, Request};
@@ -11,7 +12,7 @@ use gearbench_models::geometry::FlankGrid;
 use gearbench_models::stiffness::Material;
 
 fn found(mesh: &Mesh) -> GearMesh {
-    let mut gears = deck::gears_with(&bare(mesh), Some(Material::STEEL)).unwrap();
+    let mut gears = gear_deck::gears_with(&bare(mesh), Some(Material::STEEL)).unwrap();
     gears.swap_remove(0).mesh
 }
 
@@ -39,7 +40,7 @@ fn next_to(basis: &Basis, x: &Vec3) -> (f64, u32) {
 
 #[test]
 fn hexahedra_without_sets_are_the_same_gear() {
-    let own = mesh::gear(&stub(8, 0.2), &coarse(2, 2)).unwrap();
+    let own = gear_mesh::gear(&stub(8, 0.2), &coarse(2, 2)).unwrap();
     let strange = strange(
         &own.mesh,
         Vec3::new(0.4, 1.3, -2.0),
@@ -75,11 +76,11 @@ fn hexahedra_without_sets_are_the_same_gear() {
 #[test]
 fn points_tied_to_tetrahedra_are_the_same_flank() {
     let gear = stub(8, 0.0);
-    let params = mesh::GearMeshParams {
+    let params = gear_mesh::GearMeshParams {
         kind: ElementKind::C3D20,
         ..coarse(2, 2)
     };
-    let own = mesh::gear(&gear, &params).unwrap();
+    let own = gear_mesh::gear(&gear, &params).unwrap();
     let tets = found(&mesh::tetrahedra(&own.mesh).unwrap());
     assert!(!tets.tied.is_empty());
     let surface = Surface::new(&tets).unwrap();

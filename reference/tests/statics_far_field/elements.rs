@@ -2,7 +2,7 @@
 
 use gearbench_models::geometry::{Gear, Side};
 use gearbench_models::stiffness::Material;
-use gearbench_reference::mesh::{self, GearMeshParams, Tooth};
+use gearbench_reference::gear_mesh::{self, GearMeshParams, Tooth};
 use gearbench_reference::reduction::{Basis, ModeSelection, Mounting, Request};
 use std::f64::consts::PI;
 
@@ -36,7 +36,7 @@ type Spread = Vec<(u32, f64)>;
 
 impl Elements<'_> {
     pub fn new(gear: &Gear, material: Material, flank: usize, spread: f64) -> Elements<'_> {
-        let mesh = mesh::sector(gear, &params(flank)).unwrap();
+        let mesh = gear_mesh::sector(gear, &params(flank)).unwrap();
         let basis = Request {
             along_profile: false,
             foreign: None,

@@ -16,7 +16,8 @@ use gearbench_models::stiffness::{
 use gearbench_reference::assembly::tie::MassKind;
 use gearbench_reference::full_order::FullOrder;
 use gearbench_reference::full_order::body::Body as Elements;
-use gearbench_reference::mesh::{self, ElementKind, FineTeeth, GearMeshParams, Tooth};
+use gearbench_reference::gear_mesh::{self, FineTeeth, GearMeshParams, Tooth};
+use gearbench_reference::mesh::ElementKind;
 use gearbench_reference::statics::LoadedPair;
 
 /// A pair: all that its stiffness depends on.
@@ -168,7 +169,7 @@ fn fine(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
         ..Default::default()
     };
     let refused = |e: String| BuildError::gear(context.name, GearPart::Model, e);
-    let mesh = mesh::gear(gear, &params).map_err(|e| refused(e.to_string()))?;
+    let mesh = gear_mesh::gear(gear, &params).map_err(|e| refused(e.to_string()))?;
     let body = Elements::new(
         mesh,
         &context.material,

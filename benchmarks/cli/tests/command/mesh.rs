@@ -13,7 +13,7 @@ fn meshes_are_written_as_decks_and_for_paraview() {
     let said = folder.says(&format!("mesh spur_impact {arguments}"));
     for (name, teeth) in [("pinion", 20), ("wheel", 30)] {
         let deck = gearbench_reference::deck::read(folder.at(&format!("g-{name}.inp"))).unwrap();
-        let gears = gearbench_reference::deck::gears(&deck).unwrap();
+        let gears = gearbench_reference::gear_deck::gears(&deck).unwrap();
         let mesh = &gears[0].mesh;
         assert_eq!((gears.len(), mesh.teeth), (1, teeth));
         assert_eq!(mesh.mesh.kind_names(), "C3D20R");
@@ -143,7 +143,7 @@ fn modal_decks_write_matrices_and_modes() {
     }
     let read = |file: &str| {
         let deck = gearbench_reference::deck::read(folder.at(file)).unwrap();
-        gearbench_reference::deck::gears(&deck)
+        gearbench_reference::gear_deck::gears(&deck)
             .unwrap()
             .swap_remove(0)
     };

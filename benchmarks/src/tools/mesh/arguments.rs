@@ -1,8 +1,9 @@
 //! Arguments of `mesh`.
 
 use clap::{Arg, Args};
-use gearbench_reference::deck::{ModalProgram, Units};
-use gearbench_reference::mesh::GearMeshParams;
+use gearbench_reference::deck::Units;
+use gearbench_reference::gear_deck::ModalProgram;
+use gearbench_reference::gear_mesh::GearMeshParams;
 use std::path::PathBuf;
 
 const EXAMPLES: &str = "\

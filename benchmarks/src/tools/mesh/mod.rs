@@ -10,11 +10,13 @@ use crate::scene_file;
 use arguments::Mesh as Arguments;
 use gearbench_models::spec::Body;
 use gearbench_models::stiffness::Material;
-use gearbench_reference::deck::{self, GearDeck, ModalProgram, ModalRun};
-use gearbench_reference::mesh::vtu::{self, Field, Values};
-use gearbench_reference::mesh::{
-    self, ElementKind, FineTeeth, GearMesh, GearMeshParams, MeshError, Tooth,
+use gearbench_reference::deck;
+use gearbench_reference::gear_deck::{self, GearDeck, ModalProgram, ModalRun};
+use gearbench_reference::gear_mesh::{
+    self, FineTeeth, GearMesh, GearMeshParams, MeshError, Tooth, membership,
 };
+use gearbench_reference::mesh::vtu::{self, Field, Values};
+use gearbench_reference::mesh::{self, ElementKind};
 use serde_json::{Value, json};
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
@@ -210,7 +212,7 @@ fn from_deck(context: &Context, args: &Arguments) -> Result<Vec<GearWithMesh>, R
     deck.told()
         .iter()
         .for_each(|line| context.messages.print_line(line));
-    let gears = deck::gears(&deck).map_err(refuse)?;
+    let gears = gear_deck::gears(&deck).map_err(refuse)?;
     let seconds = start.elapsed().as_secs_f64() / gears.len().max(1) as f64;
     let gears = chosen(gears, args.gear.as_deref(), &args.input, |g| g.name.clone())?;
     Ok(gears
@@ -241,7 +243,7 @@ fn from_scene(context: &Context, args: &Arguments) -> Result<Vec<GearWithMesh>, 
         .map(|g| {
             let start = Instant::now();
             let made = match &g.body {
-                Body::Gear(gear) => mesh::gear(gear, &params),
+                Body::Gear(gear) => gear_mesh::gear(gear, &params),
                 Body::Rack(_) if args.sector => {
                     return Err(Refusal::Input(miette::miette!(
                         help = "remove --sector, or choose a gear with --gear NAME",
@@ -249,7 +251,7 @@ fn from_scene(context: &Context, args: &Arguments) -> Result<Vec<GearWithMesh>, 
                         g.name
                     )));
                 }
-                Body::Rack(rack) => mesh::rack(rack, &params),
+                Body::Rack(rack) => gear_mesh::rack(rack, &params),
             };
             let mesh = made.map_err(|e| refuse(&g.name, &e))?;
             Ok(GearWithMesh {
@@ -365,7 +367,7 @@ fn job_name(path: &Path) -> String {
 }
 
 fn write_deck(out: &mut dyn Write, g: &GearWithMesh, options: &GearDeck) -> Result<(), String> {
-    deck::write(out, &g.mesh, &g.material, options).map_err(|e| e.to_string())?;
+    gear_deck::write(out, &g.mesh, &g.material, options).map_err(|e| e.to_string())?;
     for name in ["cut_low", "cut_high"] {
         let Some(nodes) = g.mesh.mesh.node_sets.get(name) else {
             continue;
@@ -383,7 +385,7 @@ fn write_vtu(out: &mut dyn Write, g: &GearMesh) -> Result<(), String> {
     let (jacobian, aspect): (Vec<f64>, Vec<f64>) = mesh::element_qualities(&g.mesh)
         .map(|q| (q.scaled_jacobian, q.aspect_ratio))
         .unzip();
-    let sets = vtu::membership(&g.mesh);
+    let sets = membership(&g.mesh);
     let at_nodes: Vec<Field<'_>> = sets
         .iter()
         .map(|(name, v)| Field {

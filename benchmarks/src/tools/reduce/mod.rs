@@ -21,9 +21,10 @@ use gearbench_models::kinematics::{Hub, Placement};
 use gearbench_models::scene::hub_of;
 use gearbench_models::spec::{Body, GearSpec, ModelSpec};
 use gearbench_models::stiffness::Material;
-use gearbench_reference::deck::{self, BodyShape, Deck, DeckGear};
+use gearbench_reference::deck::{self, Deck};
+use gearbench_reference::gear_deck::{self, BodyShape, DeckGear};
+use gearbench_reference::gear_mesh::GearMesh;
 use gearbench_reference::matrices::{self, ForeignBody, MatrixError, MeshFrame};
-use gearbench_reference::mesh::GearMesh;
 use gearbench_reference::recognise::{RecognisedBody, SpecifiedBody};
 use gearbench_reference::reduction::choose::{self, Choice, Criterion};
 use gearbench_reference::reduction::store::{self, Meta, Motion};
@@ -126,18 +127,18 @@ fn from_deck(args: &Arguments, input: &str) -> Result<Vec<Job>, Refusal> {
     let bad = |e: deck::DeckError| Refusal::Input(miette::miette!("{e}"));
     let deck = deck::read_in(input, args.units).map_err(bad)?;
     let mut notes = deck.told();
-    notes.extend(deck::check_gtm(&deck).iter().map(ToString::to_string));
+    notes.extend(gear_deck::check_gtm(&deck).iter().map(ToString::to_string));
     let known = SpecifiedBody {
         axis: args.axis.map(Vec3::from),
         point: args.axis_point.map(Vec3::from),
         ..SpecifiedBody::default()
     };
-    let alone = deck::gears_known(&deck, None, &known);
+    let alone = gear_deck::gears_known(&deck, None, &known);
     if alone.is_err() || alone.is_ok_and(|all| all.iter().any(Result::is_err)) {
         notes
             .push("material constants that the deck does not define are those of steel".to_owned());
     }
-    let mut gears = deck::gears_known(&deck, Some(Material::STEEL), &known).map_err(bad)?;
+    let mut gears = gear_deck::gears_known(&deck, Some(Material::STEEL), &known).map_err(bad)?;
     let one = gears.len() == 1;
     // Given axis properties apply to the named gear only; other gears of the deck need not match them.
     let is_named = |g: &DeckGear| args.gear.as_ref().is_some_and(|name| *name == g.name);

@@ -6,8 +6,9 @@ mod refusals;
 
 use super::*;
 use crate::assembly::{Assembly, assemble};
-use crate::deck::{self, Deck, DeckGear};
-use crate::mesh::{self, GearMesh};
+use crate::deck::Deck;
+use crate::gear_deck::{self, DeckGear};
+use crate::gear_mesh::{self, GearMesh};
 use crate::reduction::{Basis, ModeSelection, Mounting, Request};
 use crate::test_support::{bare, coarse, stub};
 use gearbench_models::Vec3;
@@ -26,7 +27,7 @@ struct Body {
 
 impl Body {
     fn of(deck: Deck) -> Self {
-        let mut gears = deck::gears_with(&deck, Some(STEEL)).unwrap();
+        let mut gears = gear_deck::gears_with(&deck, Some(STEEL)).unwrap();
         let gear = gears.swap_remove(0);
         // In the axes of the deck.
         let assembly = assemble(&deck.mesh(), &STEEL).unwrap();
@@ -39,7 +40,7 @@ impl Body {
 
     /// Eight teeth of a coarse mesh in its own frame.
     fn small() -> Self {
-        let own = mesh::gear(&stub(8, 0.0), &coarse(1, 1)).unwrap();
+        let own = gear_mesh::gear(&stub(8, 0.0), &coarse(1, 1)).unwrap();
         Body::of(bare(&own.mesh))
     }
 
@@ -167,7 +168,7 @@ type HashMapOf = std::collections::HashMap<(usize, usize), f64>;
 /// The deck is elsewhere in space and in other units: the matrices are turned and scaled.
 #[test]
 fn matrices_follow_axes_and_units() {
-    let own = mesh::gear(&stub(8, 0.2), &coarse(1, 1)).unwrap();
+    let own = gear_mesh::gear(&stub(8, 0.2), &coarse(1, 1)).unwrap();
     let strange = crate::recognise::tests::strange(
         &own.mesh,
         Vec3::new(0.4, 1.3, -2.0),

@@ -1,11 +1,12 @@
 //! Recognition of racks from their surface: generated ones and the stored one, rotated, moved and shuffled.
 
 use super::*;
-use crate::deck::{self, BodyShape};
-use crate::mesh::{self, ElementKind, Mesh};
+use crate::gear_deck::{self, BodyShape};
+use crate::gear_mesh;
+use crate::mesh::{self, ElementKind, Mesh, brick};
 use crate::recognise::tests::{plain, strange};
 use crate::recognise::{Misfit, RecognisedBody, Skin, SpecifiedBody, body};
-use crate::test_support::{bare, brick, calculix, rack};
+use crate::test_support::{bare, calculix, rack};
 use gearbench_models::geometry::Rack;
 use gearbench_models::stiffness::Material;
 use nalgebra::Rotation3;
@@ -50,7 +51,7 @@ fn generated_racks_are_found_again() {
                     p.thinning = thinning;
                     p.face_width = 12e-3;
                 });
-                let own = mesh::rack(&r, &plain(ElementKind::C3D8)).unwrap();
+                let own = gear_mesh::rack(&r, &plain(ElementKind::C3D8)).unwrap();
                 let turn = Vec3::new(0.3 + f64::from(teeth), -0.7, 0.1 * helix);
                 let shift = Vec3::new(0.1, -0.05, 0.02);
                 let mesh = strange(&own.mesh, turn, shift);
@@ -90,7 +91,7 @@ fn generated_racks_are_found_again() {
 #[test]
 fn the_stored_rack_is_found_without_its_sets() {
     let whole = calculix("rack-pinion/R8b_d05.inp.gz");
-    let named = deck::gears(&whole).unwrap().swap_remove(1);
+    let named = gear_deck::gears(&whole).unwrap().swap_remove(1);
     let mut without = whole;
     without
         .node_sets
@@ -99,7 +100,7 @@ fn the_stored_rack_is_found_without_its_sets() {
     without.rigid_bodies.clear();
     without.boundaries.clear();
     let bodies =
-        deck::gears_known(&without, Some(Material::STEEL), &SpecifiedBody::default()).unwrap();
+        gear_deck::gears_known(&without, Some(Material::STEEL), &SpecifiedBody::default()).unwrap();
     let mut racks = bodies.into_iter().filter_map(Result::ok);
     let again = racks
         .rfind(|g| matches!(g.shape, BodyShape::Rack { .. }))
@@ -140,13 +141,13 @@ fn the_stored_rack_is_found_without_its_sets() {
 fn tetrahedra_are_found_with_grids_on_their_flanks() {
     for helix in [0.0, 0.3] {
         let r = rack(4, 3e-3, |p| p.helix_angle = helix);
-        let own = mesh::rack(&r, &plain(ElementKind::C3D20)).unwrap();
+        let own = gear_mesh::rack(&r, &plain(ElementKind::C3D20)).unwrap();
         let mesh = strange(
             &mesh::tetrahedra(&own.mesh).unwrap(),
             Vec3::new(0.4, 1.9, 0.2),
             Vec3::x(),
         );
-        let gear = deck::gears_with(&bare(&mesh), Some(Material::STEEL))
+        let gear = gear_deck::gears_with(&bare(&mesh), Some(Material::STEEL))
             .unwrap()
             .swap_remove(0);
         let found = gear.found.as_ref().and_then(RecognisedBody::rack).unwrap();
@@ -179,7 +180,7 @@ fn tetrahedra_are_found_with_grids_on_their_flanks() {
 #[test]
 fn points_stand_off_their_planes_as_told() {
     let r = rack(3, 2e-3, |p| p.helix_angle = 0.2);
-    let own = mesh::rack(&r, &plain(ElementKind::C3D8)).unwrap();
+    let own = gear_mesh::rack(&r, &plain(ElementKind::C3D8)).unwrap();
     let found = found(&own.mesh);
     for side in Side::BOTH {
         for tooth in 0..3 {
@@ -194,7 +195,7 @@ fn points_stand_off_their_planes_as_told() {
 #[test]
 fn rounded_racks_and_other_bodies() {
     let r = rack(6, 4e-3, |_| {});
-    let mut own = mesh::rack(&r, &plain(ElementKind::C3D8)).unwrap().mesh;
+    let mut own = gear_mesh::rack(&r, &plain(ElementKind::C3D8)).unwrap().mesh;
     for x in &mut own.nodes {
         *x = x.map(|x| (x * 1e6).round() / 1e6);
     }
@@ -213,7 +214,7 @@ fn rounded_racks_and_other_bodies() {
 #[test]
 fn what_is_said_of_a_rack_has_to_agree() {
     let r = rack(5, 3e-3, |_| {});
-    let own = mesh::rack(&r, &plain(ElementKind::C3D8)).unwrap().mesh;
+    let own = gear_mesh::rack(&r, &plain(ElementKind::C3D8)).unwrap().mesh;
     let skin = Skin::of(&own.nodes, &own.blocks);
     let with = |axis: [f64; 3], point: Option<[f64; 3]>| {
         let known = SpecifiedBody {

@@ -1,7 +1,8 @@
 //! Specification of a gear: it guides the search where that is ambiguous, and is compared with the result.
 
 use super::*;
-use crate::mesh::{self, ElementKind, GearMeshParams, Web};
+use crate::gear_mesh::{self, GearMeshParams, Web};
+use crate::mesh::ElementKind;
 use crate::recognise::tests::plain;
 use crate::recognise::{Skin, recognise};
 use crate::test_support;
@@ -29,7 +30,7 @@ fn a_radius_that_is_said_tells_the_bore() {
         }),
         ..plain(ElementKind::C3D8)
     };
-    let own = mesh::gear(&gear, &params).unwrap();
+    let own = gear_mesh::gear(&gear, &params).unwrap();
     let skin = Skin::of(&own.mesh.nodes, &own.mesh.blocks);
     let of = |bore_radius| {
         let known = SpecifiedBody {
@@ -49,7 +50,7 @@ fn the_sense_of_an_axis_is_the_one_that_is_said() {
         p.bore_radius = 10e-3;
         p.helix_angle = 0.2;
     });
-    let own = mesh::gear(&gear, &plain(ElementKind::C3D8)).unwrap();
+    let own = gear_mesh::gear(&gear, &plain(ElementKind::C3D8)).unwrap();
     let skin = Skin::of(&own.mesh.nodes, &own.mesh.blocks);
     let of = |axis: [f64; 3], point: [f64; 3]| {
         let known = SpecifiedBody {
@@ -86,7 +87,7 @@ fn radii_that_are_said_bound_the_flanks() {
             ..Modifications::default()
         };
     });
-    let own = mesh::gear(&gear, &plain(ElementKind::C3D8)).unwrap();
+    let own = gear_mesh::gear(&gear, &plain(ElementKind::C3D8)).unwrap();
     let skin = Skin::of(&own.mesh.nodes, &own.mesh.blocks);
     let faces = |flanks| {
         let known = SpecifiedBody {

@@ -25,7 +25,7 @@ pub(super) fn cyclic_momentum(found: &CyclicModes, mode: usize, masses: &[f64]) 
             (re + m * c.re, im + m * c.im)
         })
     });
-    let half = 0.5 * f64::from(found.teeth);
+    let half = 0.5 * f64::from(found.sectors);
     match m.part {
         Part::Single | Part::Cosine => [half * (x.0 + y.1), half * (y.0 - x.1)],
         Part::Sine => [half * (x.1 - y.0), half * (y.1 + x.0)],
@@ -43,8 +43,8 @@ pub(super) fn cyclic_shape(
 ) -> Shape {
     let m = &found.modes[mode];
     let u = found.shapes[m.harmonic as usize].col(m.column);
-    let teeth = u64::from(found.teeth);
-    let per_tooth = nodes.directions.len() / found.teeth as usize;
+    let teeth = u64::from(found.sectors);
+    let per_tooth = nodes.directions.len() / found.sectors as usize;
     let along: Vec<(f64, f64)> = (nodes.mesh_nodes.iter().zip(&nodes.directions))
         .take(per_tooth)
         .map(|(&node, n)| {

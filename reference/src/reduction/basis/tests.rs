@@ -1,7 +1,7 @@
 //! One tooth sector compared with the whole mesh, and properties of every basis.
 
 use super::*;
-use crate::mesh;
+use crate::gear_mesh;
 use crate::test_support::{self, coarse};
 use gearbench_models::geometry::{Gear, GearParams};
 
@@ -36,8 +36,8 @@ fn sector_and_whole_mesh_agree() {
             ..params(teeth)
         })
         .unwrap();
-        let whole = mesh::gear(&gear, &coarse(2, 2)).unwrap();
-        let sector = mesh::sector(&gear, &coarse(2, 2)).unwrap();
+        let whole = gear_mesh::gear(&gear, &coarse(2, 2)).unwrap();
+        let sector = gear_mesh::sector(&gear, &coarse(2, 2)).unwrap();
         let wanted = ModeSelection::Count(61);
         let a = of_sector(&sector, &Material::STEEL, &mounting, wanted, false).unwrap();
         let b = of_mesh(&whole, &Material::STEEL, &mounting, wanted, false, None).unwrap();
@@ -113,7 +113,7 @@ fn sector_and_whole_mesh_agree() {
 #[test]
 fn free_modes_hold_no_momentum_and_the_rigid_one_is_gone() {
     let gear = Gear::new(params(10)).unwrap();
-    let whole = mesh::gear(&gear, &coarse(2, 2)).unwrap();
+    let whole = gear_mesh::gear(&gear, &coarse(2, 2)).unwrap();
     let wanted = ModeSelection::Count(30);
     let frequencies = |added: f64| {
         let b = of_mesh(
@@ -161,7 +161,7 @@ fn free_modes_hold_no_momentum_and_the_rigid_one_is_gone() {
 #[test]
 fn a_rack_slides_and_a_held_one_is_pulled() {
     let rack = test_support::rack(3, 2e-3, |p| p.face_width = 4e-3);
-    let whole = mesh::rack(&rack, &coarse(2, 1)).unwrap();
+    let whole = gear_mesh::rack(&rack, &coarse(2, 1)).unwrap();
     for free in [true, false] {
         let mounting = Mounting::rack(free, 0.01);
         let all = of_mesh(
@@ -200,7 +200,7 @@ fn a_rack_slides_and_a_held_one_is_pulled() {
 #[test]
 fn up_to_a_frequency_and_a_number_are_the_same_modes() {
     let gear = Gear::new(params(9)).unwrap();
-    let sector = mesh::sector(&gear, &coarse(2, 2)).unwrap();
+    let sector = gear_mesh::sector(&gear, &coarse(2, 2)).unwrap();
     let mounting = Mounting::gear(true, 0.0);
     let of = |wanted| of_sector(&sector, &Material::STEEL, &mounting, wanted, false).unwrap();
     let by_number = of(ModeSelection::Count(50));

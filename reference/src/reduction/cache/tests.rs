@@ -2,7 +2,8 @@
 
 use super::*;
 use crate::assembly::tie::HubMotion;
-use crate::mesh::{self, ElementKind, GearMesh};
+use crate::gear_mesh::{self, GearMesh};
+use crate::mesh::{self, ElementKind};
 use crate::reduction::request::ALGORITHM;
 use crate::reduction::store::tests::{all_bits, example};
 use crate::reduction::{ModeSelection, Mounting};
@@ -20,7 +21,7 @@ fn small() -> GearMesh {
         p.face_width = 5e-3;
         p.bore_radius = 4e-3;
     });
-    mesh::gear(&gear, &counted(2, 1, 1)).unwrap()
+    gear_mesh::gear(&gear, &counted(2, 1, 1)).unwrap()
 }
 
 fn request(mesh: &GearMesh) -> Request<'_> {

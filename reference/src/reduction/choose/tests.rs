@@ -1,5 +1,5 @@
 use super::*;
-use crate::mesh;
+use crate::gear_mesh;
 use crate::reduction::{ModeSelection, Mounting, basis};
 use crate::test_support::{self, coarse};
 use gearbench_models::gear::elastic::reduced::FlankCompliance;
@@ -8,7 +8,7 @@ use gearbench_models::stiffness::Material;
 /// All modes of a small rack.
 fn rack() -> Basis {
     let rack = test_support::rack(3, 2e-3, |p| p.face_width = 4e-3);
-    let mesh = mesh::rack(&rack, &coarse(2, 1)).unwrap();
+    let mesh = gear_mesh::rack(&rack, &coarse(2, 1)).unwrap();
     let wanted = ModeSelection::Count(usize::MAX / 2);
     basis::of_mesh(
         &mesh,
@@ -26,7 +26,7 @@ fn gear() -> Basis {
         p.face_width = 5e-3;
         p.bore_radius = 6e-3;
     });
-    let sector = mesh::sector(&gear, &coarse(2, 2)).unwrap();
+    let sector = gear_mesh::sector(&gear, &coarse(2, 2)).unwrap();
     let mounting = Mounting::gear(true, 1e-6);
     basis::of_sector(
         &sector,

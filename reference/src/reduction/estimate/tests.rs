@@ -1,5 +1,5 @@
 use super::*;
-use crate::mesh;
+use crate::gear_mesh;
 use crate::reduction::choose::{Criterion, choose};
 use crate::reduction::{ModeSelection, Mounting, basis};
 use crate::test_support::{coarse, gear};
@@ -12,7 +12,7 @@ fn pinion() -> Basis {
         p.face_width = 5e-3;
         p.bore_radius = 8e-3;
     });
-    let sector = mesh::sector(&gear, &coarse(2, 1)).unwrap();
+    let sector = gear_mesh::sector(&gear, &coarse(2, 1)).unwrap();
     let mounting = Mounting::gear(true, 0.0);
     basis::of_sector(
         &sector,

@@ -1,7 +1,7 @@
 //! Recognition of toothing data from meshes.
 
 use super::*;
-use crate::mesh::{self, GearMesh};
+use crate::gear_mesh::{self, GearMesh};
 use crate::reduction::surface::Surface;
 use crate::test_support::{self, counted};
 use gearbench_models::gear::elastic::reduced::{FlankCompliance, Residual};
@@ -63,7 +63,7 @@ fn a_gear_is_found_again_from_its_flank_nodes() {
             p.tip_radius = 0.3;
             p.bore_radius = 4.0 * module;
         });
-        let basis = bare(&mesh::gear(&gear, &counted(6, 1, 2)).unwrap());
+        let basis = bare(&gear_mesh::gear(&gear, &counted(6, 1, 2)).unwrap());
         let found = Toothing::of(&basis, Motion::Turn, teeth);
         close(found.tip, gear.r_tip(), 1e-9);
         close(found.base, gear.r_base(), 1e-9);
@@ -86,7 +86,7 @@ fn a_rack_is_found_again_from_its_flank_nodes() {
             p.pressure_angle = f64::to_radians(angle);
             p.face_width = 8e-3;
         });
-        let basis = bare(&mesh::rack(&rack, &counted(4, 4, 1)).unwrap());
+        let basis = bare(&gear_mesh::rack(&rack, &counted(4, 4, 1)).unwrap());
         let found = Toothing::of(&basis, Motion::Slide, 5);
         close(found.module, module, 1e-9);
         close(found.pressure_angle, f64::to_radians(angle), 1e-9);

@@ -2,7 +2,8 @@
 
 use super::*;
 use crate::assembly::assemble;
-use crate::mesh::{self, ElementKind, GearMesh, GearMeshParams, Mesh};
+use crate::gear_mesh::{self, GearMesh, GearMeshParams};
+use crate::mesh::{ElementKind, Mesh};
 use crate::reduction::choose::{ModalDamping, reduced};
 use crate::reduction::{Basis, ModeSelection, Mounting, basis};
 use crate::test_support::{self, coarse};
@@ -36,7 +37,7 @@ fn noise(n: usize, seed: f64) -> Vec<f64> {
 #[test]
 fn kinetic_energy_is_that_of_the_nodes() {
     let (gear, params) = gear();
-    let mesh = mesh::gear(&gear, &params).unwrap().mesh;
+    let mesh = gear_mesh::gear(&gear, &params).unwrap().mesh;
     let mass = assemble(&mesh, &Material::STEEL).unwrap().mass;
     let n = 3 * mesh.nodes.len();
     let fields = [1.0, 2.0, 3.0].map(|seed| noise(n, seed));
@@ -86,8 +87,8 @@ fn kinetic_energy_is_that_of_the_nodes() {
 #[test]
 fn sector_and_whole_mesh_agree() {
     let (gear, params) = gear();
-    let whole = mesh::gear(&gear, &params).unwrap();
-    let sector = mesh::sector(&gear, &params).unwrap();
+    let whole = gear_mesh::gear(&gear, &params).unwrap();
+    let sector = gear_mesh::sector(&gear, &params).unwrap();
     let mounting = Mounting::gear(true, 1e-5);
     let a = basis::of_sector(
         &sector,

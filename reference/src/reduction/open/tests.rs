@@ -1,7 +1,7 @@
 //! Stored reductions compared with gears, and opened once.
 
 use super::*;
-use crate::mesh;
+use crate::gear_mesh;
 use crate::reduction::geometry::tests::bare;
 use crate::reduction::store::Meta;
 use crate::reduction::{Basis, ModeSelection, Mounting, Request};
@@ -28,7 +28,7 @@ fn judged(
     material: Material,
     change: impl Fn(&mut Basis),
 ) -> Option<String> {
-    let mesh = mesh::gear(&gear(18, |_| {}), &counted(4, 1, 1)).unwrap();
+    let mesh = gear_mesh::gear(&gear(18, |_| {}), &counted(4, 1, 1)).unwrap();
     let mut basis = bare(&mesh);
     change(&mut basis);
     let request = Request {
@@ -137,7 +137,7 @@ fn what_does_not_suit_a_gear_is_told_with_a_way_out() {
 
 /// Modes of a small gear, as they are reduced.
 fn reduced(modes: usize) -> (Basis, Meta) {
-    let mesh = mesh::gear(&gear(18, |_| {}), &counted(4, 1, 1)).unwrap();
+    let mesh = gear_mesh::gear(&gear(18, |_| {}), &counted(4, 1, 1)).unwrap();
     let request = Request {
         along_profile: false,
         foreign: None,

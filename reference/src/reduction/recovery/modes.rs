@@ -3,7 +3,7 @@
 use super::{MeshRecovery, RecoveredModes, add};
 use crate::assembly::Assembly;
 use crate::assembly::tie::{MassKind, Tie};
-use crate::mesh::GearMesh;
+use crate::gear_mesh::GearMesh;
 use crate::modes::cyclic::{Hub, Sector};
 use crate::modes::{self, Options, Target};
 use crate::reduction::error::ReductionError;
@@ -58,7 +58,7 @@ impl MeshRecovery {
             added_inertia: self.mounting.added_in_motions(),
         };
         let own = hub.motions.len();
-        let search = Sector::new(&self.mesh, &self.material, &hub)?;
+        let search = Sector::new(&self.mesh.as_sector(), &self.material, &hub)?;
         let all = search.unknowns() * self.mesh.teeth as usize;
         let target = Target::Count((count + own).min(all));
         let found = search.find(target, &Options::default())?;

@@ -23,12 +23,12 @@ fn of(
     let material = Material::STEEL;
     let wanted = ModeSelection::Count(24);
     let (mesh, basis, whole) = if by_sector {
-        let mesh = mesh::sector(&gear, &params).unwrap();
+        let mesh = gear_mesh::sector(&gear, &params).unwrap();
         let basis = basis::of_sector(&mesh, &material, &mounting, wanted, along_profile);
         let whole = MeshExtent::Generated(Box::new((Toothing::Gear(gear), params)));
         (mesh, basis, whole)
     } else {
-        let mesh = mesh::gear(&gear, &params).unwrap();
+        let mesh = gear_mesh::gear(&gear, &params).unwrap();
         let basis = basis::of_mesh(&mesh, &material, &mounting, wanted, along_profile, None);
         (mesh, basis, MeshExtent::AtHand)
     };
@@ -205,7 +205,7 @@ fn a_static_displacement_does_not_depend_on_the_modes() {
 #[test]
 fn racks_are_their_whole_mesh() {
     let rack = rack(4, 4e-3, |_| {});
-    let mesh = mesh::rack(&rack, &coarse(1, 1)).unwrap();
+    let mesh = gear_mesh::rack(&rack, &coarse(1, 1)).unwrap();
     let mounting = Mounting::rack(true, 0.1);
     let basis = basis::of_mesh(
         &mesh,

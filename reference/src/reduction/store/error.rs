@@ -1,6 +1,6 @@
 //! Why a stored reduction is refused.
 
-use crate::refusal::Refusal;
+use crate::Refusal;
 
 /// Kind of the problem in a [`StoreError`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]

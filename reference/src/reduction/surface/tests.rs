@@ -1,5 +1,5 @@
 use super::*;
-use crate::mesh::{GearMeshParams, gear, rack, sector};
+use crate::gear_mesh::{GearMeshParams, gear, rack, sector};
 use crate::test_support::{self, counted};
 use gearbench_models::geometry::{Gear, Side};
 

@@ -17,7 +17,7 @@ use gearbench_integrators::table::{NEWMARK, VELOCITY_VERLET};
 use gearbench_models::gear::parameters::ModelParameters;
 use gearbench_models::spec::Body;
 use gearbench_models::stiffness::Material;
-use gearbench_reference::mesh::{self, GearMeshParams};
+use gearbench_reference::gear_mesh::{self, GearMeshParams};
 use gearbench_reference::reduction::store::{Meta, write};
 use gearbench_reference::reduction::{ElasticParameters, ModeSelection, Mounting, Request};
 use gearbench_reports::record::{Results, Status};
@@ -201,7 +201,7 @@ fn modes_of_a_stored_reduction_are_its_own() {
     let request = Request {
         along_profile: false,
         foreign: None,
-        mesh: &mesh::sector(gear, &params).unwrap(),
+        mesh: &gear_mesh::sector(gear, &params).unwrap(),
         sector: true,
         material: Material::STEEL,
         mounting: Mounting::gear(true, 0.0),

@@ -6,7 +6,7 @@ mod shapes;
 use super::*;
 use crate::assembly::assemble;
 use crate::assembly::tie::Reduced;
-use crate::mesh::{GearMeshParams, Tooth, gear, rack, sector};
+use crate::gear_mesh::{GearMeshParams, Tooth, gear, rack, sector};
 use crate::modes::{self, Options, cyclic};
 use crate::reduction::choose::{self, Choice, Criterion};
 use crate::reduction::{KeptModes, ModeSelection, basis, without_modes};
@@ -202,7 +202,7 @@ fn kept_pairs_leave_the_teeth_alike_and_half_a_pair_is_refused() {
     );
     let mounting = Mounting::gear(true, 1e-4);
     let found = cyclic::lowest(
-        &one,
+        &one.as_sector(),
         &STEEL,
         &cyclic::Hub::turning(mounting.added_inertia),
         30,

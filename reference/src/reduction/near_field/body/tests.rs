@@ -3,8 +3,9 @@
 
 use super::super::of_lattices;
 use super::*;
-use crate::deck;
-use crate::mesh::{ElementKind, GearMeshParams, Tooth};
+use crate::gear_deck;
+use crate::gear_mesh::{self, GearMeshParams, Tooth};
+use crate::mesh::ElementKind;
 use crate::reduction::{Basis, ModeSelection, Mounting, Request};
 use crate::test_support::bare;
 use gearbench_models::gear::elastic::lines::{LinesOfFlanks, Strips, spread};
@@ -44,7 +45,7 @@ fn params(kind: ElementKind, flank: usize) -> GearMeshParams {
 #[test]
 fn hexahedra_answer_as_their_lattice_does() {
     for (flank, most) in [(8, 0.09), (16, 0.08)] {
-        let mesh = mesh::sector(&gear(24), &params(ElementKind::C3D8I, flank)).unwrap();
+        let mesh = gear_mesh::sector(&gear(24), &params(ElementKind::C3D8I, flank)).unwrap();
         let surface = Surface::new(&mesh).unwrap();
         let steel = Material::STEEL;
         let lattice = of_lattices(&mesh, ElementKind::C3D8I, &steel);
@@ -121,11 +122,16 @@ fn the_support_behind_half_spaces_does_not_depend_on_the_elements() {
         };
         support(&request.compute().unwrap(), &radii)
     };
-    let of_sector = |kind, flank| of(&mesh::sector(&gear, &params(kind, flank)).unwrap(), true);
+    let of_sector = |kind, flank| {
+        of(
+            &gear_mesh::sector(&gear, &params(kind, flank)).unwrap(),
+            true,
+        )
+    };
     let truth = of_sector(ElementKind::C3D8I, 24);
-    let cut = mesh::gear(&gear, &params(ElementKind::C3D20, 3)).unwrap();
+    let cut = gear_mesh::gear(&gear, &params(ElementKind::C3D20, 3)).unwrap();
     let bare = bare(&mesh::tetrahedra(&cut.mesh).unwrap());
-    let mut found = deck::gears_with(&bare, Some(Material::STEEL)).unwrap();
+    let mut found = gear_deck::gears_with(&bare, Some(Material::STEEL)).unwrap();
     let tetrahedra = found.swap_remove(0).mesh;
     assert!(!tetrahedra.tied.is_empty());
     for (name, most, found) in [

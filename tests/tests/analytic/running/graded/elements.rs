@@ -12,7 +12,7 @@ use gearbench_models::spec::{Body, Mount, Passes, PointContact, PointRule};
 use gearbench_reference::assembly::tie::MassKind;
 use gearbench_reference::full_order::FullOrder;
 use gearbench_reference::full_order::body::Body as Elements;
-use gearbench_reference::mesh::{self, FineTeeth, Focus, GearMeshParams, Tooth};
+use gearbench_reference::gear_mesh::{self, FineTeeth, Focus, GearMeshParams, Tooth};
 
 declare_parameters! {
     /// Numbers of the mesh.
@@ -79,7 +79,7 @@ fn graded(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
         fine_teeth: params.fine_teeth.map(|f| FineTeeth { teeth, ..f }),
         ..params
     };
-    let mut mesh = mesh::gear(gear, &params).unwrap();
+    let mut mesh = gear_mesh::gear(gear, &params).unwrap();
     // Where flanks touch; the elements under them are thinner than a pitch deviation.
     for grid in &mut mesh.flanks {
         grid.deviate(gear);
