@@ -208,7 +208,7 @@ mod tests {
             metric: Metric::ForceL2,
             against: "calculix".into(),
             limit: 0.01,
-            ..Tolerance::default()
+            except: Vec::new(),
         };
         let judged = |error: f64, integration: Option<f64>| {
             let metrics = |against: &str, error: f64| Metrics {
