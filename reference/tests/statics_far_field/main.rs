@@ -281,7 +281,7 @@ impl Cycle {
     }
 }
 
-/// The last line of each pair and load is stored in `models/src/stiffness/coupling_tests.rs`.
+/// The last line of each pair and load is stored in `models/involute/src/stiffness/coupling_tests.rs`.
 #[test]
 #[ignore = "minutes"]
 fn a_mesh_cycle_of_every_pair() {
