@@ -102,25 +102,26 @@ fn lumped_finite_elements_take_what_is_estimated() {
 
 /// Errors that need no mesh are reported before meshing: this mesh would be refused for its size.
 #[test]
-fn a_half_space_on_bearings_is_refused_before_its_gears_are_meshed() {
+fn a_half_space_between_conical_gears_is_refused_before_its_gears_are_meshed() {
     let folder = Folder::new();
     let elastic = "parameters = { modes = 4, flank_elements = 400, width_elements = 400 }\ncontact = { local = \"half-space\" }";
     let text = PAIR
-        .replace("mount = \"revolute\"", "bearing = { stiffness = [1e8, 1e8, 1e8, 0.0, 0.0, 0.0] }")
+        .replace("mount = \"revolute\"", "mount = \"revolute\"\nprofile_shift_angle_deg = 2.0")
+        .replace("backlash_m = 80e-6", "centre_distance_m = 0.1002")
         .replace(
             "parameters = { modes = 4, flank_elements = 4, width_elements = 1 }\ncontact = { penalty_pa_per_m = 1e15 }",
             elastic,
         );
-    assert!(text.contains("half-space") && text.contains("bearing"));
+    assert!(text.contains("half-space") && text.contains("profile_shift_angle_deg"));
     folder.write("s.toml", &text);
     folder.refuses(
         "compare s.toml --models elastic --repeats 1 --out o",
-        &["hubs about z that only rotate"],
+        &["needs cylindrical gears"],
     );
     for study in ["modes", "stiffness", "response"] {
         folder.refuses(
             &format!("{study} s.toml --models elastic --out o"),
-            &["hubs about z that only rotate"],
+            &["needs cylindrical gears"],
         );
     }
 }
