@@ -195,7 +195,13 @@ impl Nodal {
                 let mesh = &meshes[p.mesh as usize];
                 power -= a.sliding.force.f * a.sliding.speed;
                 if a.force.n != 0.0 {
-                    power -= a.force.n * self.rate_along(gears, mesh, a, at, &mut row).1;
+                    // The rate of the gap, without the change of the energy with the places.
+                    let gap = NodalActive {
+                        of_line: self
+                            .of_line(p, mesh, [0.0; 2], |g, slots| self.gears[g].total(slots)),
+                        ..*a
+                    };
+                    power -= a.force.n * self.rate_along(gears, mesh, &gap, at, &mut row).1;
                 }
                 let (gap, force) = a.elastic;
                 if force == 0.0 {
