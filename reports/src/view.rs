@@ -239,12 +239,10 @@ impl<'a> View<'a> {
             return None;
         }
         let (limit, error) = (self.limit?, self.error(run)?);
-        let verdict = match &self.yardstick {
-            Some(yardstick) => yardstick.verdict(error, limit),
-            None if error <= limit => Adequacy::Adequate,
-            None => Adequacy::NotAdequate,
-        };
-        Some(verdict.unless(run.agrees_by_chance(self.metric, limit)))
+        // Without a yardstick the reference counts as exact.
+        let exact = Yardstick::default();
+        let yardstick = self.yardstick.as_deref().unwrap_or(&exact);
+        Some(yardstick.verdict_on(run, (self.metric, error), limit))
     }
 
     /// True if the run is the yardstick of the comparison, or a run of the model that the yardstick comes from.

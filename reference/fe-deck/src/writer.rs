@@ -83,7 +83,7 @@ impl FirstLabels {
     /// Writes the elements of a mesh in a set.
     ///
     /// # Errors
-    /// What the system says.
+    /// An error of the operating system while the text is written.
     pub fn elements(self, out: &mut dyn Write, set: &str, mesh: &Mesh) -> io::Result<()> {
         let mut labels = self.element..;
         for block in &mesh.blocks {
@@ -105,7 +105,7 @@ impl FirstLabels {
     /// Writes a set of nodes, twelve labels in a line.
     ///
     /// # Errors
-    /// What the system says.
+    /// An error of the operating system while the text is written.
     pub fn node_set(self, out: &mut dyn Write, name: &str, nodes: &[u32]) -> io::Result<()> {
         writeln!(out, "*NSET, NSET={name}")?;
         for line in nodes.chunks(12) {
@@ -118,7 +118,7 @@ impl FirstLabels {
     /// Writes a surface of element faces.
     ///
     /// # Errors
-    /// What the system says.
+    /// An error of the operating system while the text is written.
     pub fn surface(self, out: &mut dyn Write, name: &str, faces: &[Face]) -> io::Result<()> {
         writeln!(out, "*SURFACE, NAME={name}, TYPE=ELEMENT")?;
         for Face { element, face } in faces {
@@ -131,7 +131,7 @@ impl FirstLabels {
 /// Writes title lines under `*HEADING`, without stars at their beginning, which would make a keyword of them.
 ///
 /// # Errors
-/// What the system says.
+/// An error of the operating system while the text is written.
 pub fn heading(out: &mut dyn Write, title: &str) -> io::Result<()> {
     writeln!(out, "*HEADING")?;
     for line in title.lines().map(|l| l.trim().trim_start_matches('*')) {

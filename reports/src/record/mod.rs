@@ -256,11 +256,8 @@ impl Tolerance {
         let x = run.against(&self.against)?.get(self.metric)?;
         let exact = Yardstick::default();
         let yardstick = yardstick.filter(|y| y.id == self.against).unwrap_or(&exact);
-        let verdict = yardstick.verdict(x.abs(), self.limit);
-        Some((
-            x,
-            verdict.unless(run.agrees_by_chance(self.metric, self.limit)),
-        ))
+        let verdict = yardstick.verdict_on(run, (self.metric, x.abs()), self.limit);
+        Some((x, verdict))
     }
 }
 

@@ -5,6 +5,7 @@ use super::converged::short_of;
 use crate::studies::tabular::Measured;
 
 use gearbench_reports::columns::Columns;
+use gearbench_reports::comparison::{Kind, Yardstick};
 use gearbench_reports::numbers::{counted, limit, per_cent, quantity, round_quantity, short};
 use gearbench_reports::pareto::{Point, cheapest, front};
 use gearbench_reports::record::{Run, SELF};
@@ -97,57 +98,50 @@ fn modes_and_step(run: &Run) -> String {
     }
 }
 
-/// Reference with the metric of the errors against it and its own error.
-#[derive(Clone, Copy)]
-struct Yardstick<'a> {
+/// A reference that runs are compared with, in the metric of their errors.
+struct Against<'a> {
     id: &'a str,
     metric: Metric,
-    /// Own error, where the reference states one [-].
-    own: Option<f64>,
+    /// The reference with its own error; one that the study computes is taken as exact.
+    yardstick: Yardstick,
 }
 
-impl Yardstick<'_> {
-    /// True if the error of a run, with the own error of the reference, is within a limit.
-    fn agrees(&self, point: &Point, limit: f64) -> bool {
-        Adequacy::of(point.error, self.own.unwrap_or(0.0), limit) == Adequacy::Adequate
-    }
-
-    /// Returns the cheapest of selected rows within a limit.
-    ///
-    /// Both errors are within it, that against the reference and that of integration: a run may be close to the reference
-    /// because its step has the error of the step of the reference, or because errors cancel, while its model is not.
+impl Against<'_> {
+    /// Returns the cheapest of selected rows within a limit; runs that are so by chance are not.
     fn cheapest<'r>(
         &self,
         rows: &[Row<'r>],
         limit: f64,
         has: impl Fn(Row<'_>) -> bool,
     ) -> Option<Row<'r>> {
-        let is_integrated = |row: Row<'_>| !row.run.agrees_by_chance(self.metric, limit);
-        let all = rows
-            .iter()
-            .filter(|row| has(row) && is_integrated(row))
-            .filter_map(|row| Some((*row, point(row, self.id, self.metric)?)));
-        let (kept, points): (Vec<Row<'r>>, Vec<Point>) =
-            all.filter(|(_, point)| self.agrees(point, limit)).unzip();
+        let error = |row: Row<'_>| point(row, self.id, self.metric);
+        let all = rows.iter().filter(|row| has(row));
+        let within = |(row, point): &(Row<'_>, Point)| {
+            let error = (self.metric, point.error);
+            self.yardstick.verdict_on(&row.run, error, limit) == Adequacy::Adequate
+        };
+        let all = all.filter_map(|row| Some((*row, error(row)?)));
+        let (kept, points): (Vec<Row<'r>>, Vec<Point>) = all.filter(within).unzip();
         cheapest(&points, limit).map(|i| kept[i])
     }
 
-    /// Returns the number of runs that agree within a limit, but not by their integration.
+    /// Returns the number of runs that are within a limit by chance.
     fn by_chance(&self, rows: &[Row<'_>], limit: f64) -> usize {
-        let agrees = |row: &Row<'_>| {
-            point(row, self.id, self.metric).is_some_and(|p| self.agrees(&p, limit))
+        let is_within = |row: &&Row<'_>| {
+            point(row, self.id, self.metric)
+                .is_some_and(|p| self.yardstick.verdict(p.error, limit) == Adequacy::Adequate)
         };
-        let all = rows.iter().filter(|row| !is_fitted(row) && agrees(row));
+        let all = rows.iter().filter(|row| !is_fitted(row)).filter(is_within);
         all.filter(|row| row.run.agrees_by_chance(self.metric, limit))
             .count()
     }
 
     /// Returns the clause on the own error, behind the name of the reference; a run of the study is taken as exact.
     fn own_error(&self) -> String {
-        match self.own {
-            Some(0.0) => String::new(),
-            Some(e) => format!(", whose own error is stated as {},", per_cent(e, 2)),
-            None => ", whose own error is not stated,".into(),
+        match (self.yardstick.kind, self.yardstick.error) {
+            (Kind::Named, _) => String::new(),
+            (_, Some(e)) => format!(", whose own error is stated as {},", per_cent(e, 2)),
+            (_, None) => ", whose own error is not stated,".into(),
         }
     }
 }
@@ -158,15 +152,16 @@ impl Precision {
         self.plan.metrics.first().copied().unwrap_or_default()
     }
 
-    /// The reference with an id: one that the study computes is taken as exact.
-    fn yardstick<'a>(&self, id: &'a str, metric: Metric) -> Yardstick<'a> {
+    /// The reference with an id.
+    fn reference<'a>(&self, id: &'a str, metric: Metric) -> Against<'a> {
         let external = self.plan.external.iter().find(|e| e.id == id);
-        Yardstick {
+        Against {
             id,
             metric,
-            own: match external {
-                Some(external) => external.own_error,
-                None => Some(0.0),
+            yardstick: Yardstick {
+                kind: external.map_or(Kind::Named, |_| Kind::Stored),
+                error: external.and_then(|e| e.own_error),
+                ..Yardstick::default()
             },
         }
     }
@@ -220,13 +215,13 @@ impl Precision {
             if id == SELF {
                 continue;
             }
-            let yardstick = self.yardstick(id, metric);
+            let against = &self.reference(id, metric);
             let labels: Vec<String> = models_of(rows).into_iter().filter(|label| rows.iter().any(|r| r.run.model_label() == *label && point(r, id, metric).is_some())).collect();
             let mut columns = Columns::<String>::of("", "")
                 .model(|label| label.clone());
             for level in LEVELS {
                 let cell = move |label: &String| {
-                    let row = yardstick.cheapest(rows, level, |r| r.run.model_label() == *label)?;
+                    let row = against.cheapest(rows, level, |r| r.run.model_label() == *label)?;
                     Some(format!("{} ({}, {})", quantity(row.run.cost_s(), "s", 2), row.run.integrator, modes_and_step(&row.run)))
                 };
                 columns = columns.add(format!("within_{level}"), "cheapest run within a limit", cell).shown(&format!("Within {}", limit(level)), Format::Text).result();
@@ -240,7 +235,7 @@ impl Precision {
             let remark = format!(
                 "Least processor time among the runs within the limit; a dash: none is. A run is within it if its error{} and its error of \
                  integration are; the least error is that of the runs whose error of integration is no larger. A model that was fitted to this history is not predicted by it: its error is the rest of the fit.",
-                yardstick.own.map_or_else(String::new, |e| format!(", with the own error of the reference of {},", per_cent(e, 2)))
+                against.yardstick.error.map_or_else(String::new, |e| format!(", with the own error of the reference of {},", per_cent(e, 2)))
             );
             all.push(SummaryTable::of(&format!("Cheapest run of each model against {id}"), &columns, &labels, &remark));
         }
@@ -345,12 +340,12 @@ impl Precision {
             let any_fitted = rows
                 .iter()
                 .any(|r| is_fitted(r) && point(r, id, metric).is_some());
-            let yardstick = self.yardstick(id, metric);
+            let against = self.reference(id, metric);
             let cheapest = |level: f64| {
-                if yardstick.own.is_some_and(|own| own >= level) {
+                if against.yardstick.error.is_some_and(|own| own >= level) {
                     return format!("within {} nothing is decided", limit(level));
                 }
-                match yardstick.cheapest(rows, level, |r| !is_fitted(r)) {
+                match against.cheapest(rows, level, |r| !is_fitted(r)) {
                     Some(r) => format!(
                         "within {} {} under {} ({}, {})",
                         limit(level),
@@ -364,7 +359,7 @@ impl Precision {
             };
             sentences.push(format!(
                 "Cheapest against {id}{} by {}{}: {}.",
-                yardstick.own_error(),
+                against.own_error(),
                 metric.words(),
                 if any_fitted {
                     ", among what was not fitted to it"
@@ -373,16 +368,24 @@ impl Precision {
                 },
                 NAMED.map(cheapest).join("; ")
             ));
-            let by_chance = NAMED.map(|level| (yardstick.by_chance(rows, level), level));
+            let by_chance = NAMED.map(|level| (against.by_chance(rows, level), level));
             if let Some((n, level)) = by_chance.into_iter().rfind(|(n, _)| *n > 0) {
+                let (runs, errors, they) = match n {
+                    1 => (
+                        "One run is".to_owned(),
+                        "its error of integration is",
+                        "It is",
+                    ),
+                    n => (
+                        format!("{n} runs are"),
+                        "their errors of integration are",
+                        "They are",
+                    ),
+                };
                 sentences.push(format!(
-                    "{} closer to {id} than {} although {} of integration {} larger: steps like those of the reference, or errors that \
-                     cancel. {} not counted.",
-                    if n == 1 { "One run is".to_owned() } else { format!("{n} runs are") },
+                    "{runs} closer to {id} than {} although {errors} larger: steps like those of the reference, or errors that cancel. \
+                     {they} not counted.",
                     limit(level),
-                    if n == 1 { "its error" } else { "their errors" },
-                    if n == 1 { "is" } else { "are" },
-                    if n == 1 { "It is" } else { "They are" },
                 ));
             }
             sentences.extend(fits(rows, (id, metric)));

@@ -170,11 +170,11 @@ impl<'a> GearKinematics<'a> {
 /// Derivatives that the nearest points of flanks in space include.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd)]
 pub(super) enum PointDerivatives {
-    /// That of the gap.
+    /// The derivative of the gap alone.
     Gap,
-    /// That of the gap and of the path coordinate.
+    /// The derivatives of the gap and of the path coordinate.
     Path,
-    /// Those of the gap and of the lengths of roll of both flanks.
+    /// The derivatives of the gap and of the lengths of roll of both flanks.
     Rolls,
 }
 

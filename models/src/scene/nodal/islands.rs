@@ -21,7 +21,7 @@ pub(in crate::scene) struct NodalActive {
     /// Gap for which the direction was computed [m].
     pub tapered_gap: f64,
     /// Derivative of the gap of a [line](crate::contact::nodal::LineTerms) by the motion of the hubs, which does not
-    /// follow from its direction.
+    /// follow from its direction; once forces are distributed, with the change of the energy with the places on the flanks.
     pub of_line: Option<LineSlope>,
     /// Derivative `dg/dtheta` for the hubs of gears that are rigid except for a field, free or not.
     pub effective_radii: [f64; 2],

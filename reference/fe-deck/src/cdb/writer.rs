@@ -144,7 +144,7 @@ pub fn body(
 /// Writes a component of nodes, numbered from 0.
 ///
 /// # Errors
-/// What the system says.
+/// An error of the operating system while the text is written.
 pub fn component(out: &mut dyn Write, name: &str, nodes: &[u32]) -> io::Result<()> {
     writeln!(out, "CMBLOCK,{name},NODE,{}\n(8i10)", nodes.len())?;
     for line in nodes.chunks(8) {

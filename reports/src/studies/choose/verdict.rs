@@ -70,15 +70,6 @@ impl Adequacy {
         }
     }
 
-    /// Returns the verdict where adequacy may be chance: then it is not decided.
-    #[must_use]
-    pub fn unless(self, chance: bool) -> Adequacy {
-        match self {
-            Adequacy::Adequate if chance => Adequacy::NotDecided,
-            other => other,
-        }
-    }
-
     /// Returns the word of the format and of the report.
     #[must_use]
     pub fn as_str(self) -> &'static str {

@@ -5,8 +5,9 @@
 //! the tolerance `T`, a model is adequate where `e + u <= T`, not adequate where `e - u > T`, and not decided between
 //! the two. Where `u` is unknown no model is adequate.
 
+use crate::metrics::Metric;
 use crate::numbers::per_cent;
-use crate::record::not_a_number;
+use crate::record::{Run, not_a_number};
 use crate::studies::choose::Adequacy;
 use crate::words::words;
 use serde::{Deserialize, Serialize};
@@ -63,6 +64,15 @@ impl Yardstick {
             (None, _) => f64::INFINITY,
         };
         Adequacy::of(error, own, limit)
+    }
+
+    /// Returns the verdict on a run with an error in a metric: one that keeps the limit by chance
+    /// ([`Run::agrees_by_chance`]) is not decided.
+    pub fn verdict_on(&self, run: &Run, (metric, error): (Metric, f64), limit: f64) -> Adequacy {
+        match self.verdict(error, limit) {
+            Adequacy::Adequate if run.agrees_by_chance(metric, limit) => Adequacy::NotDecided,
+            verdict => verdict,
+        }
     }
 
     /// Returns the clause on the yardstick's own error, for the end of a sentence.

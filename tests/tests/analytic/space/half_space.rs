@@ -137,7 +137,7 @@ fn forces_are_slopes_of_one_potential() {
     }
 }
 
-/// The same of full finite elements: at the hubs, and at the nodes around the contact.
+/// Forces of full finite elements on half-spaces are slopes of one potential, at the hubs and at the nodes around the contact.
 #[test]
 fn forces_of_finite_elements_are_slopes_of_one_potential() {
     for (name, spec, mut models) in pairs(&on_bearings()) {
